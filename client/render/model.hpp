@@ -112,9 +112,13 @@ struct Model {
 /// outside. Missing normals become flat. Nodes called UCX_… (collision hulls) are left out. Images other than
 /// PNG and JPEG, and material extensions beyond transmission and ior, are left out with a warning.
 /// kMalformedMesh, kEmptyMesh, kNotFinite, kTooLarge, and errors of common/import.
-Expected<Model> read_model(std::span<const std::byte> bytes);
+enum class Placed {
+  kAsInFile,
+  kNearOrigin,  ///< a scene far from the origin is moved to it before its places become floats
+};
+Expected<Model> read_model(std::span<const std::byte> bytes, Placed placed = Placed::kAsInFile);
 
-/// Calls read_model with a file's bytes; kFileAccess if it cannot be read.
+/// Calls read_model with a file's bytes, near the origin; kFileAccess if it cannot be read.
 Expected<Model> load_model(const std::string& path);
 
 /// The smallest sphere around the bounding box of all visible objects. If `states` is empty, the model's own

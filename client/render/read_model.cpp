@@ -10,6 +10,7 @@
 #include "common/import/gltf_accessor.hpp"
 #include "common/import/gltf_document.hpp"
 #include "common/import/gltf_model.hpp"
+#include "common/import/gltf_offset.hpp"
 #include "common/import/refused.hpp"
 #include "common/mesh/material_library.hpp"
 
@@ -43,8 +44,9 @@ class ModelReader {
               Model& model)
       : document_(nodes_document), gltf_(gltf), limits_(limits), model_(model) {}
 
-  void read() {
-    const GltfScene graph = walk_gltf_scene(gltf_);
+  void read(Placed placed) {
+    GltfScene graph = walk_gltf_scene(gltf_);
+    if (placed == Placed::kNearOrigin) subtract(gltf_offset(gltf_, graph, limits_.max_triangles), graph);
     std::vector<int> parents(gltf_.nodes.size(), -1);
     for (std::size_t n = 0; n < gltf_.nodes.size(); ++n)
       for (const int child : gltf_.nodes[n].children)
@@ -53,6 +55,8 @@ class ModelReader {
     for (const int index : graph.order) {
       const json* extras = fracture_extras(document_, index);
       if (extras != nullptr) mark_interior(*extras);
+      if (extras != nullptr && extras->contains("certificate"))
+        root_ = to_vec3(graph.world[static_cast<std::size_t>(index)]->t);
       const tinygltf::Node& node = gltf_.nodes[static_cast<std::size_t>(index)];
       if (node.mesh < 0 || node.name.starts_with("UCX_") ||
           is_sheet(index, parents[static_cast<std::size_t>(index)]))
@@ -98,7 +102,8 @@ class ModelReader {
     info.centroid = glm::vec3(nan);
     if (const auto it = extras->find("center_of_mass");
         it != extras->end() && it->is_array() && it->size() == 3)
-      for (int k = 0; k < 3; ++k) info.centroid[k] = (*it)[static_cast<std::size_t>(k)].get<float>();
+      for (int k = 0; k < 3; ++k)
+        info.centroid[k] = (*it)[static_cast<std::size_t>(k)].get<float>() + root_[k];
     for (int n = node; n >= 0; n = parents[static_cast<std::size_t>(n)])
       if (const json* own = fracture_extras(document_, n); own != nullptr && own->contains("level"))
         info.ancestors.insert(info.ancestors.begin(), static_cast<std::uint32_t>(n));
@@ -294,13 +299,14 @@ class ModelReader {
   const tinygltf::Model& gltf_;
   const ImportLimits& limits_;
   Model& model_;
+  glm::vec3 root_{0};  ///< place of the answer's root node; places in extras are below it
   std::map<std::map<std::string, int>, std::pair<std::uint32_t, std::uint32_t>>
       shared_;  ///< of the current object
 };
 
 }  // namespace
 
-Expected<Model> read_model(std::span<const std::byte> bytes) {
+Expected<Model> read_model(std::span<const std::byte> bytes, Placed placed) {
   const bool binary = bytes.size() >= 4 && bytes[0] == std::byte{'g'} && bytes[1] == std::byte{'l'} &&
                       bytes[2] == std::byte{'T'} && bytes[3] == std::byte{'F'};
   try {
@@ -313,7 +319,7 @@ Expected<Model> read_model(std::span<const std::byte> bytes) {
     read_materials(document.library, model);
     if (!document.json.contains("nodes")) refuse(ErrorCode::kEmptyMesh, "The glTF has no nodes.", "/nodes");
     const tinygltf::Model gltf = load_gltf_model(document);
-    ModelReader(document.json, gltf, limits, model).read();
+    ModelReader(document.json, gltf, limits, model).read(placed);
     if (model.surfaces.empty())
       refuse(ErrorCode::kEmptyMesh, "The glTF's default scene contains no triangles.");
     return model;
@@ -329,7 +335,7 @@ Expected<Model> load_model(const std::string& path) {
   std::ifstream in(path, std::ios::binary);
   std::vector<char> bytes{std::istreambuf_iterator<char>(in), {}};
   if (!in.is_open() || in.bad()) return fail(ErrorCode::kFileAccess, "Cannot read " + path + ".");
-  Expected<Model> model = read_model(std::as_bytes(std::span(bytes)));
+  Expected<Model> model = read_model(std::as_bytes(std::span(bytes)), Placed::kNearOrigin);
   if (!model) return fail(model.error().code, path + ": " + to_string(model.error()));
   return model;
 }

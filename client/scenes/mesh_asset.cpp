@@ -10,6 +10,7 @@
 #include "common/import/import.hpp"
 #include "common/mesh/frame.hpp"
 #include "common/mesh/material_library.hpp"
+#include "common/mesh/proxies.hpp"
 
 namespace fracture::scenes {
 namespace {
@@ -156,6 +157,7 @@ Expected<MeshAsset> load_asset(const std::string& path, const std::string& unit)
                                     ImportLimits{}, files);
   if (!mesh) return tl::unexpected(mesh.error());
   to_metres_y_up(*mesh, {});
+  take_proxies(*mesh);
   const SurfaceMesh surface = surface_of(*mesh);
   glm::vec4 color(0.6f, 0.58f, 0.55f, 1);
   if (!mesh->library->materials.empty()) {

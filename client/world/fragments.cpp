@@ -74,13 +74,16 @@ glm::dvec3 to_world(const Transform& t, double x, double y, double z) {
           t.t.z + x * t.x.z + y * t.y.z + z * t.z.z};
 }
 
-/// Returns the rotation. The transform must be rigid: the service writes no others, and bodies cannot be
-/// scaled.
+/// Returns the rotation. The transform must be rigid apart from a uniform scale, which only nodes of instances have. Hulls are
+/// scaled, but mass and moments are not (KHR_physics_rigid_bodies).
 glm::dquat rotation_of(const Transform& t, const std::string& where) {
-  const glm::dmat3 r(t.x.x, t.x.y, t.x.z, t.y.x, t.y.y, t.y.z, t.z.x, t.z.y, t.z.z);
+  glm::dmat3 r(t.x.x, t.x.y, t.x.z, t.y.x, t.y.y, t.y.z, t.z.x, t.z.y, t.z.z);
+  const double scale = glm::length(r[0]);
+  if (!(scale > 0)) malformed(where + " is flat.");
+  r = (1 / scale) * r;
   const glm::dmat3 unit = glm::transpose(r) * r - glm::dmat3(1);
   for (int c = 0; c < 3; ++c)
-    if (!(glm::length(unit[c]) < 1e-6)) malformed(where + " is scaled or sheared.");
+    if (!(glm::length(unit[c]) < 1e-6)) malformed(where + " is sheared, or its axes are scaled differently.");
   if (glm::determinant(r) < 0) malformed(where + " is mirrored.");
   return glm::normalize(glm::quat_cast(r));
 }
@@ -94,7 +97,7 @@ class FragmentReader {
     const json& root = read_nodes();
     read_filtered(root);
     std::vector<FragmentChange::End> ends;
-    if (root.contains("bonds")) read_bonds(root["bonds"], set_.bonds, ends);
+    if (root.contains("bonds")) read_bonds(root["bonds"], root_, set_.bonds, ends);
     for (std::size_t k = 0; k < ends.size(); ++k) {
       set_.bonds[k].a = index_of(ends[k].a);
       set_.bonds[k].b = index_of(ends[k].b);
@@ -124,7 +127,7 @@ class FragmentReader {
     if (change.added.size() + change.changed.size() != set_.fragments.size())
       malformed("The answer to a hit has " + std::to_string(set_.fragments.size()) + " fragments but lists " +
                 std::to_string(change.added.size() + change.changed.size()) + ".");
-    read_bonds(member(root, "bonds", "extras.fracture"), change.bonds, change.ends);
+    read_bonds(member(root, "bonds", "extras.fracture"), root_, change.bonds, change.ends);
     change.fragments = std::move(set_.fragments);
     return change;
   }
@@ -140,7 +143,10 @@ class FragmentReader {
       const json* extras = find(node, "extras");
       const json* own = extras ? find(*extras, "fracture") : nullptr;
       if (own == nullptr) continue;
-      if (own->contains("bonds")) root = own;
+      if (own->contains("bonds")) {
+        root = own;
+        root_ = *graph.world[static_cast<std::size_t>(index)];
+      }
       if (own->contains("id")) read_fragment(node, *own, graph, index);
     }
     if (set_.fragments.empty())
@@ -246,7 +252,9 @@ class FragmentReader {
     for (Fragment& fragment : set_.fragments) std::sort(fragment.apart.begin(), fragment.apart.end());
   }
 
-  static void read_bonds(const json& bonds, std::vector<Bond>& read, std::vector<FragmentChange::End>& ends) {
+  /// `above`: the transform of the root node. Places in its extras are below it.
+  static void read_bonds(const json& bonds, const Transform& above, std::vector<Bond>& read,
+                         std::vector<FragmentChange::End>& ends) {
     const json &a = member(bonds, "a", "bonds"), &b = member(bonds, "b", "bonds"),
                &area = member(bonds, "area", "bonds"), &strength = member(bonds, "strength", "bonds"),
                &normal = member(bonds, "normal", "bonds"), &center = member(bonds, "centroid", "bonds");
@@ -257,10 +265,11 @@ class FragmentReader {
     ends.reserve(a.size());
     for (std::size_t k = 0; k < a.size(); ++k) {
       ends.push_back({whole(a[k], "An end of a bond"), whole(b[k], "An end of a bond")});
+      const glm::dvec3 place = vector(center[k], "bonds.centroid");
       Bond bond{.area = number(area[k], "bonds.area"),
                 .strength = number(strength[k], "bonds.strength"),
                 .normal = vector(normal[k], "bonds.normal"),
-                .center = vector(center[k], "bonds.centroid")};
+                .center = place + glm::dvec3(above.t.x, above.t.y, above.t.z)};
       if (ends.back().a == ends.back().b) malformed("A bond connects a fragment with itself.");
       if (bond.area < 0 || bond.strength < 0) malformed("A bond's area and strength must be 0 or more.");
       const double length = glm::length(bond.normal);
@@ -287,6 +296,7 @@ class FragmentReader {
   const json& surfaces_;
   FragmentSet set_;
   std::map<std::uint64_t, std::uint32_t> index_;
+  Transform root_;  // of the node with the figures
 };
 
 /// The document's own extensions, which the checked document omits. The container has been checked, so its

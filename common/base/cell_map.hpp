@@ -52,7 +52,7 @@ class CellMap {
   CellMap(std::span<const Matrix3> matrices, std::vector<std::uint8_t> frame_of_part,
           std::span<const Box> boxes);
   /// The maps of separate diagrams as one, for code that asks only for the frame of a part: at(), index_at() and place_of() have
-  /// no meaning. Part p is the part `in_map[p]` of maps[`map_of_part[p]`]. An identity becomes a frame. At most 65,536 frames.
+  /// no meaning. Part p is the part `in_map[p]` of maps[`map_of_part[p]`]. An identity becomes a frame. At most 65,535 frames.
   static CellMap joined(std::span<const CellMap> maps, std::span<const std::uint32_t> map_of_part,
                         std::span<const std::uint32_t> in_map);
 
@@ -62,6 +62,17 @@ class CellMap {
   /// The frame of a part of the solid. Must not be called on the identity.
   const Frame& of_part(std::uint32_t part) const {
     return frames_[frame_of_part_ ? (*frame_of_part_)[part] : 0];
+  }
+  /// The same map for a solid of `count` parts, of which the first ones are those of this map. Further parts have the first
+  /// frame. In a joined map, they have a copy of it, because their cells may be those of several diagrams.
+  CellMap with_parts(std::size_t count) const {
+    CellMap map = *this;
+    if (!frame_of_part_) return map;
+    std::vector<std::uint16_t> frames = *frame_of_part_;
+    if (places_.empty()) map.frames_.push_back(frames_.front());
+    frames.resize(count, static_cast<std::uint16_t>(places_.empty() ? frames_.size() : 0));
+    map.frame_of_part_ = std::make_shared<const std::vector<std::uint16_t>>(std::move(frames));
+    return map;
   }
   /// Index of the frame whose place contains a point of the image.
   std::size_t index_at(const Vec3d& image) const {

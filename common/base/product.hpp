@@ -2,6 +2,7 @@
 // its end.
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
@@ -70,6 +71,8 @@ class Allowance {
   /// Maximum number of bytes that the computation could ever hold.
   std::uint64_t limit() const { return limit_; }
   std::uint64_t bytes() const { return bytes_.load(std::memory_order_relaxed); }
+  /// The most bytes that were counted at once. Not to be called while another thread ends a Temporary.
+  std::uint64_t most_bytes() const { return std::max(most_, bytes()); }
 
   /// Lets other computations use the memory that was granted to a step that has ended (a Temporary), except
   /// for the initial grant. No other thread may count for the same computation at the same time.
@@ -82,7 +85,9 @@ class Allowance {
     explicit Temporary(Allowance* allowance)
         : allowance_(allowance), before_(allowance ? allowance->bytes() : 0) {}
     ~Temporary() {
-      if (allowance_) allowance_->bytes_.store(before_, std::memory_order_relaxed);
+      if (!allowance_) return;
+      allowance_->most_ = allowance_->most_bytes();
+      allowance_->bytes_.store(before_, std::memory_order_relaxed);
     }
     Temporary(const Temporary&) = delete;
     Temporary& operator=(const Temporary&) = delete;
@@ -96,6 +101,7 @@ class Allowance {
   void grow(Product product, std::uint64_t bytes);
 
   std::atomic<std::uint64_t> bytes_{0}, granted_;
+  std::uint64_t most_ = 0;  // before the last Temporary ended
   const std::uint64_t admitted_, limit_;
   const Grant grant_;
   const Release release_;

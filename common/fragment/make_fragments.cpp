@@ -140,7 +140,8 @@ void unite_without_volume(Assembly& assembly, const std::vector<std::uint32_t>& 
 
 /// Whether two groups of pieces touch across parts.
 bool touch_across(const PartContacts& across, const PieceGroups& groups) {
-  return std::any_of(across.pieces.begin(), across.pieces.end(),
+  return across.whole_touch ||
+         std::any_of(across.pieces.begin(), across.pieces.end(),
                      [&](const PieceContact& c) { return groups.of(c.of) != groups.of(c.with); });
 }
 

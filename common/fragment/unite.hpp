@@ -26,6 +26,10 @@ struct PartContacts {
       pieces;  ///< each pair once; pieces that overlap in a cell without a bond have area 0
   std::vector<std::uint32_t>
       group_of_part;  ///< per part: the group of parts that hold together, numbered from 0
+  /// Per part: the instance that stays whole and contains it, or kNoIndex. Empty: none stays whole. `pieces` has no contacts of
+  /// these parts.
+  std::vector<std::uint32_t> whole{};
+  bool whole_touch = false;  ///< whether an instance that stays whole touches another part
 };
 
 /// Finds groups that share caps. Each pair is listed in both directions, sorted by `of`, then by largest
@@ -50,7 +54,8 @@ std::vector<PartVolume> volumes_of_parts(const RestrictedDiagram& diagram, const
 Piece join_pieces(const RestrictedDiagram& diagram, const Pieces& pieces, const PieceGroups& groups,
                   std::uint32_t group, const Execution& execution);
 
-/// First joins the pieces of different parts that touch in one cell, if `across` is not null. Then
+/// If `across` is not null, first joins all pieces of each instance that stays whole, and the pieces of other parts that touch in
+/// one cell. Then
 /// repeatedly merges the smallest group of pieces with the neighbour of largest shared cap area (ties: the
 /// lowest piece), as long as the limits ask for it. A group without caps merges with the neighbour of its
 /// largest contact in `across`. The choice depends only on the unrounded volumes. `groups`: pieces that are

@@ -12,6 +12,26 @@ namespace {
 
 using Unions = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
 
+/// Joins the pieces of each instance that stays whole. Returns how many pieces became part of another.
+std::uint32_t join_instances(const Pieces& pieces, const PartContacts& across, PieceGroups& groups,
+                             Pacer& pacer) {
+  std::uint32_t joined = 0;
+  if (across.whole.empty()) return joined;
+  std::vector<std::uint32_t> first_of;  // per instance: its first piece
+  for (std::uint32_t p = 0; p < pieces.pieces.size(); ++p) {
+    pacer.step();
+    const std::uint32_t instance = across.whole[pieces.pieces[p].part];
+    if (instance == kNoIndex) continue;
+    if (first_of.size() <= instance) first_of.resize(instance + 1, kNoIndex);
+    std::uint32_t& first = first_of[instance];
+    if (first == kNoIndex) first = p;
+    if (groups.of(first) == groups.of(p)) continue;
+    groups.unite(first, p, pacer);
+    ++joined;
+  }
+  return joined;
+}
+
 /// Joins pieces of different parts in the same cell. Returns how many pieces became part of another.
 std::uint32_t join_in_cells(const Pieces& pieces, const PartContacts& across, PieceGroups& groups,
                             Pacer& pacer) {
@@ -116,7 +136,7 @@ class Merging {
   Unions unions_;
 };
 
-/// unite_by_size() after pieces of different parts in the same cell were joined.
+/// unite_by_size() after the pieces of whole instances, and pieces of different parts in the same cell, were joined.
 SizeFigures merge_by_size(const RestrictedDiagram& d, const Pieces& pieces, const SizeLimits& limits,
                           const PartContacts* across, PieceGroups& groups, const Execution& execution) {
   SizeFigures figures;
@@ -177,7 +197,9 @@ SizeFigures unite_by_size(const RestrictedDiagram& d, const Pieces& pieces, cons
   execution.poll();
   if (pieces.pieces.empty()) return {};
   Pacer pacer(execution);
-  const std::uint32_t joined = across != nullptr ? join_in_cells(pieces, *across, groups, pacer) : 0;
+  std::uint32_t joined = 0;
+  if (across != nullptr)
+    joined = join_instances(pieces, *across, groups, pacer) + join_in_cells(pieces, *across, groups, pacer);
   SizeFigures figures;
   SizeLimits others = limits;
   if (!limits.weights.empty()) {  // first the limits that concern the pieces as they are

@@ -17,10 +17,10 @@ std::string free_prefix(const Mesh& source, Pacer& pacer) {
   std::set<std::string> taken;  // texts between that word and the first _ after it
   for (const std::string& name : source.node_names) {
     pacer.step(4);
-    const std::string ascii = ascii_name(name);
-    if (!ascii.starts_with(kWord)) continue;
-    if (const std::size_t end = ascii.find('_', kWord.size()); end != std::string::npos)
-      taken.insert(ascii.substr(kWord.size(), end - kWord.size()));
+    const std::string kept = kept_name(name);
+    if (!kept.starts_with(kWord)) continue;
+    if (const std::size_t end = kept.find('_', kWord.size()); end != std::string::npos)
+      taken.insert(kept.substr(kWord.size(), end - kWord.size()));
   }
   std::string number;
   for (std::size_t next = 2; taken.contains(number); ++next) number = std::to_string(next);

@@ -1,6 +1,7 @@
 #include "common/gltf/fracture_extras.hpp"
 
 #include "common/gltf/report_text.hpp"
+#include "common/gltf/scene_layout.hpp"
 #include "common/mesh/material_library.hpp"
 #include "common/physics/principal_axes.hpp"
 
@@ -31,6 +32,26 @@ void write_bonds(JsonText& json, const std::vector<Bond>& bonds, const GltfOptio
   rounded_column("normal", [](const Bond& bond) { return bond.normal; });
   rounded_column("strength",
                  [&](const Bond& bond) { return bond.area * options.bond_strength * bond.strength; });
+  json.end_object();
+}
+
+/// Writes the bonds with nodes that are not fractured; nothing if there are none.
+void write_whole_bonds(JsonText& json, const FracturedSolid& fractured, const GltfOptions& options) {
+  const std::vector<WholeBond>& bonds = fractured.whole_bonds;
+  if (bonds.empty()) return;
+  const auto column = [&](const char* name, auto&& write) {
+    json.key(name).begin_array();
+    for (const WholeBond& bond : bonds) write(bond);
+    json.end_array();
+  };
+  json.key("whole_bonds").begin_object();
+  column("a", [&](const WholeBond& bond) { json.value(fractured.set.fragments[bond.fragment].id); });
+  column("node", [&](const WholeBond& bond) { json.value(bond.node); });
+  column("area", [&](const WholeBond& bond) { json.rounded(bond.area); });
+  column("centroid", [&](const WholeBond& bond) { json.rounded(bond.centroid); });
+  column("normal", [&](const WholeBond& bond) { json.rounded(bond.normal); });
+  column("strength",
+         [&](const WholeBond& bond) { json.rounded(bond.area * options.bond_strength * bond.strength); });
   json.end_object();
 }
 
@@ -107,6 +128,7 @@ void write_root_extras(JsonText& json, const FracturedSolid& fractured, const Gl
     return index < set.fragments.size() ? set.fragments[index].id
                                         : delta.value().neighbors.at(index - set.fragments.size());
   });
+  write_whole_bonds(json, fractured, options);
   if (fractured.rest && !fractured.rest->filtered.empty()) {
     const auto column = [&](const char* name, std::size_t which) {
       json.key(name).begin_array();
@@ -155,7 +177,10 @@ void write_fragment_extras(JsonText& json, const FracturedSolid& fractured, std:
   json.key("sites").begin_array();
   const std::vector<std::uint32_t>& point_of = fractured.point_of_site;
   for (const std::uint32_t site : fragment.sites) json.value(point_of.empty() ? site : point_of.at(site));
-  json.end_array().end_object();
+  json.end_array();
+  if (const InstancedBodies::Body* const body = instance_in_file(fractured, options, index))
+    json.member("shape", fractured.instances.numbers[body->shape]);
+  json.end_object();
 }
 
 void write_source_extras(JsonText& json, const Mesh& source, std::uint32_t node) {

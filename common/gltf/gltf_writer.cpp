@@ -25,8 +25,9 @@ namespace fracture {
 namespace {
 
 void check_companions(const FracturedSolid& fractured) {
-  for (const std::size_t size : {fractured.hulls.of_fragment.size(), fractured.anchored.held.size(),
-                                 fractured.hierarchy.cluster_of_fragment.size()})
+  for (const std::size_t size :
+       {fractured.hulls.of_fragment.size(), fractured.anchored.held.size(),
+        fractured.hierarchy.cluster_of_fragment.size(), fractured.instances.of_fragment.size()})
     if (size != 0 && size != fractured.set.fragments.size())
       throw InternalError("data for " + std::to_string(size) + " fragments in a set of " +
                           std::to_string(fractured.set.fragments.size()));
@@ -74,7 +75,7 @@ void write_document_extensions(JsonText& json, const FragmentSet& set, const Glt
     json.end_object();
   } else if (options.physics == Physics::kOmi && layout.has_hulls()) {
     json.key("extensions").begin_object();
-    write_omi_physics_document(json, set, layout, intact);
+    write_omi_physics_document(json, layout, intact);
     json.end_object();
   }
 }
@@ -84,6 +85,7 @@ TextRange write_root(JsonText& json, const FracturedSolid& fractured, const Gltf
                      const SceneLayout& layout, const ClusterNodes& clusters, std::size_t whole,
                      const EmptyNodes& empty) {
   json.begin_object().member("name", "Fracture");
+  write_offset(json, *fractured.set.source);
   if (!fractured.set.fragments.empty()) {
     json.key("children").begin_array();
     for (const std::size_t node : clusters.roots()) json.value(node);
@@ -99,16 +101,33 @@ TextRange write_root(JsonText& json, const FracturedSolid& fractured, const Gltf
   return figures;
 }
 
+/// Writes the transform of a fragment's node. Only those of instances rotate or scale.
+void write_place(JsonText& json, const Fragment& f, const InstancedBodies::Body* instance) {
+  const Vec3d& translation = instance == nullptr ? f.pivot : instance->translation;
+  if (!(translation == Vec3d{})) json.member("translation", translation);
+  if (instance == nullptr) return;
+  if (instance->is_turned()) {
+    json.key("rotation").begin_array();
+    for (const float component : instance->rotation) json.rounded(component);
+    json.end_array();
+  }
+  if (instance->scale != 1) {
+    json.key("scale").begin_array();
+    for (int axis = 0; axis < 3; ++axis) json.rounded(instance->scale);
+    json.end_array();
+  }
+}
+
 void write_fragment(JsonText& json, const FracturedSolid& fractured, std::size_t index,
                     const GltfOptions& options, const SceneLayout& layout) {
   const Fragment& f = fractured.set.fragments[index];
-  json.begin_object().member("name", layout.name(index)).member("mesh", index);
+  json.begin_object().member("name", layout.name(index)).member("mesh", layout.mesh(index));
   if (layout.children(index) > 0) {
     json.key("children").begin_array();
     for (std::size_t k = 0; k < layout.children(index); ++k) json.value(layout.first_child(index) + k);
     json.end_array();
   }
-  if (!(f.pivot == Vec3d{})) json.member("translation", f.pivot);
+  write_place(json, f, layout.instance(index));
   if (options.physics != Physics::kNone) {
     json.key("extensions").begin_object();
     if (options.physics == Physics::kKhr)
@@ -162,8 +181,12 @@ TextRange write_nodes(JsonText& json, const FracturedSolid& fractured, const Glt
           .member("mesh", layout.sheet_mesh(k))
           .end_object();
   }
-  for (std::size_t k = 0; k < whole.size(); ++k)
-    write_whole_node(json, whole[k].name, layout.mesh_count() + k, whole[k].extras);
+  for (std::size_t k = 0; k < whole.size(); ++k) {
+    json.begin_object().member("name", whole[k].name).member("mesh", layout.mesh_count() + k);
+    json.key("extras").begin_object().key("whole").begin_object().member("node", whole[k].node).end_object();
+    if (!whole[k].extras.empty()) json.value_text(whole[k].extras);
+    json.end_object().end_object();
+  }
   intact.write_nodes(json, options);
   clusters.write(json, options);
   empty.write(json);
@@ -220,10 +243,18 @@ void write_meshes(JsonText& json, const FracturedSolid& fractured, const std::ve
   Pacer pacer(execution);
   json.key("meshes").begin_array();
   for (std::size_t k = 0; k < set.fragments.size(); ++k)
-    writer.write(json, set.fragments[k], figures[k], layout.name(k));
+    if (layout.instance(k) == nullptr) writer.write(json, set.fragments[k], figures[k], layout.name(k));
+  const InstancedBodies& instances = fractured.instances;
+  for (const SceneLayout::Shape& shape : layout.shapes()) {
+    const Fragment& mesh = instances.shapes[shape.index];
+    writer.write(json, mesh, measure(mesh, options.mesh_manifold, pacer), layout.name(shape.fragment));
+  }
   for (std::size_t k = 0; k < set.fragments.size(); ++k)
-    for (std::size_t hull = 0; hull < layout.hulls(k); ++hull)
+    for (std::size_t hull = 0; layout.instance(k) == nullptr && hull < layout.hulls(k); ++hull)
       writer.write(json, fractured.hulls.of(k)[hull], layout.hull_name(k, hull));
+  for (const SceneLayout::Shape& shape : layout.shapes())
+    for (std::size_t hull = 0; hull < layout.hulls(shape.fragment); ++hull)
+      writer.write(json, instances.hulls[shape.index].hulls[hull], layout.hull_name(shape.fragment, hull));
   for (std::size_t k = 0; k < set.fragments.size(); ++k) {
     const std::shared_ptr<const Fragment>& sheet = set.fragments[k].sheet;
     if (sheet) writer.write(json, *sheet, measure(*sheet, false, pacer), layout.sheet_name(k));

@@ -1,7 +1,7 @@
 // Writes fragments as one file that standard tools can read: glTF 2.0 core without required extensions. Data, bonds and the
 // certificate are in extras. The same fragments and options give the same bytes.
 //
-//   scene ── root (identity; extras.fracture: report, certificate, bonds)
+//   scene ── root (translation = offset of the source, if any; extras.fracture: report, certificate, bonds)
 //             ├─ fragment 0  translation = pivot; extras.fracture: id, volume, …; rigid body;
 //             │   │          mesh 0: exterior primitives, interior
 //             │   ├─ colliders of a compound, UCX_ hulls: identity, no extras
@@ -9,9 +9,12 @@
 //             └─ fragment 1 …
 //   scene "Intact", if requested: the solid before it breaks (intact_scene.hpp)
 //
+// A fragment that is a whole instance of a mesh refers to a mesh that several of them share (pipeline/instanced_bodies.hpp). Its
+// node has a rotation and a uniform scale, and I2 does not hold for it: its vertices are rounded before the node's transform.
+//
 // All fragments share one bufferView for each attribute and one for the indices. The primitives of a mesh
 // share their attribute accessors. World positions are float32(local) + float32(translation), exact by
-// construction (I2). Collision hulls are separate meshes that follow those of the fragments.
+// construction (I2), and are those below the root. Collision hulls are separate meshes that follow those of the fragments.
 //
 // Images are copied byte for byte, with one exception: some PNG chunks are left out (image_bytes.hpp), because glTF
 // tells readers to ignore them and the Khronos validator warns about them. Pixels stay unchanged.

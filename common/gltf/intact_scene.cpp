@@ -1,5 +1,6 @@
 #include "common/gltf/intact_scene.hpp"
 
+#include <algorithm>
 #include <string_view>
 
 #include "common/base/pacer.hpp"
@@ -22,7 +23,10 @@ IntactScene::IntactScene(const FracturedSolid& fractured, const GltfOptions& opt
   const std::vector<Fragment>& parts = fractured.intact->parts;
   constexpr std::string_view kSuffix = "_intact";
   // Leaves room for the longest suffix of a hull or collider, so that their names have at most kMaxName bytes, too.
-  constexpr std::size_t kRoom = kMaxName - std::string_view("_00_collider").size();
+  std::size_t most = 0;
+  for (std::size_t k = 0; k < parts.size(); ++k) most = std::max(most, fractured.intact->hulls.of(k).size());
+  digits_ = std::max<std::size_t>(2, std::to_string(std::max<std::size_t>(most, 1) - 1).size());
+  const std::size_t room = kMaxName - digits_ - std::string_view("__collider").size();
   UniqueNames names(layout, fractured.set.fragments.size(), execution);
   for (const WholeNode& node : whole) names.take(node.name);
   root_name_ = names.add("Intact");
@@ -34,9 +38,7 @@ IntactScene::IntactScene(const FracturedSolid& fractured, const GltfOptions& opt
     pacer.step(32);
     const std::string_view source =
         parts[k].node < sources.size() ? std::string_view(sources[parts[k].node]) : "mesh";
-    std::string base(ucx_ && source.starts_with("UCX_") ? 1 : 0, '_');
-    base += source;
-    names_.push_back(names.add(base, kSuffix, kRoom));
+    names_.push_back(names.add(visible_name(source), kSuffix, room));
     first_hull_.push_back(first_hull_.back() +
                           (has_physics_ || ucx_ ? fractured.intact->hulls.of(k).size() : 0));
     node_count_ += children(k);
@@ -52,7 +54,7 @@ IntactScene::IntactScene(const FracturedSolid& fractured, const GltfOptions& opt
 }
 
 std::string IntactScene::hull_name(std::size_t part, std::size_t hull) const {
-  const std::string name = names_[part] + "_" + padded(hull, 2);
+  const std::string name = names_[part] + "_" + padded(hull, digits_);
   return ucx_ ? "UCX_" + name : name + "_hull";
 }
 
@@ -90,7 +92,9 @@ void IntactScene::write_nodes(JsonText& json, const GltfOptions& options) const 
   const std::size_t first_part = first_node_ + 1, first_child = first_part + names_.size();
   std::size_t children_before = 0;
   for (std::size_t k = 0; k < names_.size(); ++k) children_before += children(k);
-  json.begin_object().member("name", root_name_).key("children").begin_array();
+  json.begin_object().member("name", root_name_);
+  write_offset(json, *fractured_.set.source);
+  json.key("children").begin_array();
   for (std::size_t k = 0; k < names_.size(); ++k) json.value(first_part + k);
   for (std::size_t k = 0; k < whole_names_.size(); ++k) json.value(first_child + children_before + k);
   json.end_array().key("extras").begin_object().key("intact").begin_object();
@@ -104,7 +108,7 @@ void IntactScene::write_nodes(JsonText& json, const GltfOptions& options) const 
   }
   for (std::size_t k = 0; k < names_.size(); ++k) {
     for (std::size_t hull = 0; hull < colliders(k); ++hull) {
-      json.begin_object().member("name", names_[k] + "_" + padded(hull, 2) + "_collider");
+      json.begin_object().member("name", names_[k] + "_" + padded(hull, digits_) + "_collider");
       write_collider(json, k, first_hull_[k] + hull, options);
       json.end_object();
     }

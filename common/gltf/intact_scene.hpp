@@ -56,6 +56,7 @@ class IntactScene {
   const bool has_physics_, ucx_;
   std::size_t first_node_ = 0, node_count_ = 0;
   std::size_t first_mesh_ = 0, first_shape_ = 0;  ///< indices; the second in OMI_physics_shape
+  std::size_t digits_ = 2;                        ///< of a hull's number
   std::string root_name_;  ///< "Intact", or "Intact_2" if a node that was not fractured has that name
   std::vector<std::string> names_;       ///< per part
   std::vector<std::size_t> first_hull_;  ///< one per part, and the end

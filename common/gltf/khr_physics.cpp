@@ -1,5 +1,6 @@
 #include "common/gltf/khr_physics.hpp"
 
+#include "common/gltf/body_frame.hpp"
 #include "common/physics/principal_axes.hpp"
 
 namespace fracture {
@@ -67,13 +68,18 @@ void write_khr_physics_body(JsonText& json, const Fragment& f, std::size_t index
                             const GltfOptions& options) {
   const PrincipalAxes axes = body_inertia(f);
   const double density = options.density * f.density_share;
+  const InstancedBodies::Body* const instance = layout.instance(index);
+  // Instances are many, and engines store floats.
+  const auto put = [&](double number) { instance == nullptr ? json.value(number) : json.rounded(number); };
   json.key(kName).begin_object().key("motion").begin_object();
-  json.member("mass", body_volume(f) * density);
-  json.member("centerOfMass", f.mass.center_of_mass - f.pivot);
+  json.key("mass");
+  put(body_volume(f) * density);
+  json.key("centerOfMass");
+  write_center_of_mass(json, f, instance);
   json.key("inertiaDiagonal").begin_array();
-  for (const double moment : axes.moments) json.value(moment * density);
+  for (const double moment : axes.moments) put(moment * density);
   json.end_array().key("inertiaOrientation").begin_array();
-  for (const double component : axes.rotation) json.value(component);
+  for (const double component : principal_rotation(axes, instance)) put(component);
   json.end_array().end_object();
   if (layout.hulls(index) == 1) write_collider(json, f, index, 0, layout, options);
   json.end_object();

@@ -1,5 +1,6 @@
 #include "common/gltf/omi_physics.hpp"
 
+#include "common/gltf/body_frame.hpp"
 #include "common/physics/principal_axes.hpp"
 
 namespace fracture {
@@ -11,16 +12,14 @@ void write_collider(JsonText& json, std::size_t shape) {
 
 }  // namespace
 
-void write_omi_physics_document(JsonText& json, const FragmentSet& set, const SceneLayout& layout,
-                                const IntactScene& intact) {
+void write_omi_physics_document(JsonText& json, const SceneLayout& layout, const IntactScene& intact) {
   if (!layout.has_hulls()) return;
   json.key("OMI_physics_shape").begin_object().key("shapes").begin_array();
   const auto write_shape = [&](std::size_t mesh) {
     json.begin_object().member("type", "convex").key("convex").begin_object();
     json.member("mesh", mesh).end_object().end_object();
   };
-  for (std::size_t k = 0; k < set.fragments.size(); ++k)
-    for (std::size_t hull = 0; hull < layout.hulls(k); ++hull) write_shape(layout.hull_mesh(k, hull));
+  for (std::size_t hull = 0; hull < layout.hull_count(); ++hull) write_shape(layout.first_hull_mesh() + hull);
   for (std::size_t hull = 0; hull < intact.hull_count(); ++hull) write_shape(intact.first_hull_mesh() + hull);
   json.end_array().end_object();
 }
@@ -29,7 +28,9 @@ void write_omi_physics_body(JsonText& json, const Fragment& f, std::size_t index
                             const GltfOptions& options) {
   json.key("OMI_physics_body").begin_object().key("motion").begin_object().member("type", "dynamic");
   json.member("mass", body_volume(f) * options.density * f.density_share);
-  json.member("centerOfMass", f.mass.center_of_mass - f.pivot).end_object();
+  json.key("centerOfMass");
+  write_center_of_mass(json, f, layout.instance(index));
+  json.end_object();
   if (layout.hulls(index) == 1) write_collider(json, layout.hull_number(index, 0));
   json.end_object();
 }

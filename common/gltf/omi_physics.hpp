@@ -10,8 +10,7 @@ namespace fracture {
 
 /// Writes the document's member "OMI_physics_shape". It lists one convex shape for each hull mesh: first those of the
 /// fragments, then those of the intact solid. If there are no hulls, nothing is written.
-void write_omi_physics_document(JsonText& json, const FragmentSet& set, const SceneLayout& layout,
-                                const IntactScene& intact);
+void write_omi_physics_document(JsonText& json, const SceneLayout& layout, const IntactScene& intact);
 
 /// Writes the member "OMI_physics_body" of a fragment's node: dynamic motion with mass and centre, without inertia
 /// (Godot computes it), and the collider if the fragment has a single hull.

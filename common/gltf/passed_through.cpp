@@ -64,7 +64,8 @@ void add_nodes(const Mesh& mesh, std::vector<std::uint32_t> order, UniqueNames& 
     pacer.step(16);
     std::string name = names.add(node < mesh.node_names.size() ? std::string_view(mesh.node_names[node])
                                                                : std::string_view("mesh"));
-    nodes.push_back({std::move(name), node < mesh.node_extras.size() ? mesh.node_extras[node] : std::string(),
+    nodes.push_back({node, std::move(name),
+                     node < mesh.node_extras.size() ? mesh.node_extras[node] : std::string(),
                      mesh_of(mesh, order.data() + first, order.data() + last, new_wedge, pacer)});
   }
 }

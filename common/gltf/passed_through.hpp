@@ -1,7 +1,9 @@
 // The parts of the scene that were not fractured (Mesh::passed_through, and sheets that stay whole), as plain mesh
-// nodes. They keep their names and have neither extras.fracture nor physics.
+// nodes. They keep their names and have neither extras.fracture nor physics. `extras.whole.node` is their number in the
+// mesh, which bonds name.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -12,7 +14,8 @@
 namespace fracture {
 
 struct WholeNode {
-  std::string name;    ///< the source's, as ASCII; a number is added if the name is taken
+  std::uint32_t node;  ///< index into Mesh::node_names
+  std::string name;    ///< the source's, see kept_name(); a number is added if the name is taken
   std::string extras;  ///< the source's (Mesh::node_extras)
   /// Only the members that the mesh writer needs: positions in the scene's frame, attributes, indices, and
   /// primitives in material order (triangles without a material last).

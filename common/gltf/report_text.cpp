@@ -11,10 +11,9 @@ namespace fracture {
 namespace {
 
 void write_frame(JsonText& json, const FrameReport& frame) {
-  json.key("frame")
-      .begin_object()
-      .member("metres_per_unit", frame.metres_per_unit)
-      .member("unit_from", name_of(frame.unit_from))
+  json.key("frame").begin_object().member("metres_per_unit", frame.metres_per_unit);
+  if (!(frame.offset == Vec3d{})) json.member("offset", frame.offset);
+  json.member("unit_from", name_of(frame.unit_from))
       .member("up", frame.z_up ? "z" : "y")
       .member("up_from", name_of(frame.up_from))
       .end_object();
@@ -209,6 +208,12 @@ void write_report(JsonText& json, const FracturedSolid& fractured) {
         .member("excess", report.hulls->excess)
         .member("flat", report.hulls->flat)
         .member("simplified", report.hulls->simplified)
+        .end_object();
+  if (report.instances)
+    json.key("instances")
+        .begin_object()
+        .member("fragments", report.instances->fragments)
+        .member("shapes", report.instances->shapes)
         .end_object();
   if (report.kept)
     json.key("keep")

@@ -24,11 +24,11 @@ UniqueNames::UniqueNames(const SceneLayout& layout, std::size_t fragments, const
 void UniqueNames::take(std::string name) { taken_.insert(std::move(name)); }
 
 std::string UniqueNames::add(std::string_view source, std::string_view suffix, std::size_t room) {
-  const std::string ascii = ascii_name(source, room - suffix.size()) + std::string(suffix);
-  if (taken_.insert(ascii).second) return ascii;
-  for (std::size_t& number = last_number_.try_emplace(ascii, 1).first->second;;) {
+  const std::string first = kept_name(source, room - suffix.size()) + std::string(suffix);
+  if (taken_.insert(first).second) return first;
+  for (std::size_t& number = last_number_.try_emplace(first, 1).first->second;;) {
     const std::string end = "_" + std::to_string(++number) + std::string(suffix);
-    std::string name = ascii_name(source, room - end.size()) + end;
+    std::string name = kept_name(source, room - end.size()) + end;
     if (taken_.insert(name).second) return name;
   }
 }

@@ -10,7 +10,9 @@
 #include "common/hits/difference.hpp"
 #include "common/physics/principal_axes.hpp"
 #include "common/pipeline/fracture_steps.hpp"
+#include "common/pipeline/instanced_bodies.hpp"
 #include "common/structure/contact_bonds.hpp"
+#include "common/structure/whole_bonds.hpp"
 
 namespace fracture {
 namespace {
@@ -115,7 +117,15 @@ CutCells::Whole figures_of(const BrokenSolid& broken, const Execution& execution
     whole.hulls.excess = std::max(whole.hulls.excess, kept->hulls.excess);
   }
   sort_with_polls(execution, whole.volumes.begin(), whole.volumes.end());
+  if (broken.instances) whole.instances = count_instances(*broken.instances, instances_of(broken, execution));
   return whole;
+}
+
+std::vector<const Fragment*> fragments_of(const BrokenSolid& broken) {
+  std::vector<const Fragment*> fragments;
+  fragments.reserve(broken.fragments.size());
+  for (const SharedFragment& kept : broken.fragments) fragments.push_back(&kept->fragment);
+  return fragments;
 }
 
 /// Bonds with at least one new or changed fragment, by caps, by contacts of parts, or by both.
@@ -129,14 +139,27 @@ std::vector<Bond> changed_bonds(const Solid& solid, const BrokenSolid& broken,
     if (wanted[bond.a] || wanted[bond.b]) bonds.push_back(bond);
   }
   if (std::find(wanted.begin(), wanted.end(), 1) == wanted.end() || !parts_hold_together(solid)) return bonds;
-  std::vector<const Fragment*> fragments;
-  for (const SharedFragment& kept : broken.fragments) fragments.push_back(&kept->fragment);
+  const std::vector<const Fragment*> fragments = fragments_of(broken);
   const CellSites cells{*broken.points, broken.map};
   return with_contact_bonds(
       bonds,
       find_contact_bonds({solid, cells, broken.cut.set.lattice_step, parameters.contact_strength}, fragments,
                          wanted, execution),
       execution);
+}
+
+/// Bonds of the wanted fragments with nodes that are not fractured. `index`: per fragment, its index in the result.
+std::vector<WholeBond> changed_whole_bonds(const Solid& solid, const BrokenSolid& broken,
+                                           const std::vector<char>& wanted,
+                                           const std::vector<std::uint32_t>& index,
+                                           const FractureParameters& parameters, const Execution& execution) {
+  const bool any = std::find(wanted.begin(), wanted.end(), 1) != wanted.end();
+  if (!any || !solid.scenery || parameters.dual == Dual::kBarycenter) return {};
+  std::vector<WholeBond> bonds =
+      find_whole_bonds(solid, {*broken.points, broken.map}, broken.cut.set.lattice_step,
+                       parameters.contact_strength, fragments_of(broken), wanted, execution);
+  for (WholeBond& bond : bonds) bond.fragment = index[bond.fragment];
+  return bonds;
 }
 
 /// Completes an answer that contains only the new and changed fragments. Returns nothing if hulls far away change too.
@@ -148,6 +171,7 @@ Expected<std::optional<FracturedSolid>> only_changed(const Solid& solid, const B
   const std::size_t count = broken.fragments.size();
   CutCells cut = broken.cut;
   cut.whole = figures_of(broken, execution);
+  cut.instances.emplace();  // a hit cuts the instances that it reaches
   if (parameters.hulls == Hulls::kConvex) {
     cut.whole->rest = rest_of_changed(solid, broken, changes, parameters, execution);
     if (cut.whole->rest->trimmed_for_filters) return std::nullopt;
@@ -177,9 +201,12 @@ Expected<std::optional<FracturedSolid>> only_changed(const Solid& solid, const B
     bond.b = index[bond.b];
   }
   point_upwards(cut.set.bonds, execution);
+  std::vector<WholeBond> whole_bonds =
+      changed_whole_bonds(solid, broken, wanted, index, parameters, execution);
   Expected<FracturedSolid> completed =
       complete(solid, broken.notes, parameters, std::move(cut), {*broken.points, broken.map}, execution);
   if (!completed) return tl::unexpected(std::move(completed.error()));
+  completed->whole_bonds = std::move(whole_bonds);
   completed->delta = std::move(delta);
   return std::move(*completed);
 }
@@ -188,13 +215,17 @@ Expected<std::optional<FracturedSolid>> only_changed(const Solid& solid, const B
 
 std::size_t memory_size(const FracturedBase& base) {
   const BrokenSolid& broken = base.broken;
-  std::size_t bytes = sizeof base + heap(broken.fragments) + heap(broken.cut.set.bonds) +
-                      heap(broken.notes.point_of_site) + heap(base.stated_hulls);
+  std::size_t bytes =
+      sizeof base + heap(broken.fragments) + heap(broken.cut.set.bonds) + heap(broken.notes.point_of_site);
   if (broken.points) bytes += heap(*broken.points);
   for (const SharedFragment& kept : broken.fragments) bytes += memory_size(*kept);
-  for (const FragmentHulls& hulls : base.stated_hulls)
-    for (const CollisionHull& hull : hulls.hulls)
-      bytes += sizeof hull + heap(hull.points) + heap(hull.triangles);
+  if (broken.instances) {
+    const InstancedBodies& instances = *broken.instances;
+    bytes += sizeof instances + heap(instances.numbers) + heap(instances.bodies);
+    for (const Fragment& shape : instances.shapes) bytes += memory_size(shape);
+    for (const FragmentHulls& hulls : instances.hulls) bytes += memory_size(hulls);
+  }
+  for (const FragmentHulls& hulls : base.stated_hulls) bytes += memory_size(hulls);
   return bytes;
 }
 

@@ -135,9 +135,13 @@ void keep_changed(FracturedSolid& fractured, const Execution& execution) {
     b.b = index[b.b];
   }
   point_upwards(set.bonds, execution);
+  std::erase_if(fractured.whole_bonds, [&](const WholeBond& b) { return index[b.fragment] >= kept; });
+  for (WholeBond& b : fractured.whole_bonds) b.fragment = index[b.fragment];
   std::vector<Fragment> fragments(kept);
   std::vector<FragmentHulls> hulls(all_hulls.empty() ? 0 : kept);
   std::vector<char> held(all_held.empty() ? 0 : kept);
+  std::vector<std::uint32_t>& all_bodies = fractured.instances.of_fragment;
+  std::vector<std::uint32_t> bodies(all_bodies.empty() ? 0 : kept);
   for (std::size_t k = 0; k < n; ++k) {
     pacer.step(4);
     if (index[k] >= kept) {
@@ -148,10 +152,12 @@ void keep_changed(FracturedSolid& fractured, const Execution& execution) {
     fragments[index[k]] = std::move(set.fragments[k]);
     if (!all_hulls.empty()) hulls[index[k]] = std::move(all_hulls[k]);
     if (!all_held.empty()) held[index[k]] = all_held[k];
+    if (!all_bodies.empty()) bodies[index[k]] = all_bodies[k];
   }
   set.fragments = std::move(fragments);
   all_hulls = std::move(hulls);
   all_held = std::move(held);
+  all_bodies = std::move(bodies);
   fractured.anchored.count = static_cast<std::uint32_t>(std::count(all_held.begin(), all_held.end(), 1));
   fractured.report.anchored.reset();
   std::erase(fractured.report.remarks.warnings, kNothingAnchored);

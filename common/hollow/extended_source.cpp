@@ -60,7 +60,9 @@ ExtendedSource::ExtendedSource(const Mesh& source, std::size_t wedges, std::size
   mesh.empty_nodes = source.empty_nodes;
   mesh.groups = source.groups;
   mesh.group_of_node = source.group_of_node;
+  mesh.instances = source.instances;
   mesh.library = source.library;
+  mesh.given_hulls = source.given_hulls;
   mesh.copyright = source.copyright;
   mesh.passed_through = source.passed_through;
   mesh.remarks = source.remarks;

@@ -11,11 +11,13 @@
 #include <new>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/import/assimp_files.hpp"
 #include "common/import/assimp_materials.hpp"
 #include "common/import/assimp_polygons.hpp"
+#include "common/import/file_positions.hpp"
 #include "common/import/mesh_builder.hpp"
 #include "common/import/refused.hpp"
 #include "common/import/text_encoding.hpp"
@@ -72,12 +74,7 @@ void check_indices(const aiScene& scene) {
   }
 }
 
-/// Normals that only repeat the facets (STL) add no information. Without them, wedges can be shared, and
-/// readers use flat shading, as glTF prescribes for missing normals.
-bool keeps_normals(MeshFormat format) { return format != MeshFormat::kStl; }
-
-Surface to_surface(const aiMesh& mesh, const Transform& transform, std::uint32_t material,
-                   MeshFormat format) {
+Surface to_surface(const aiMesh& mesh, const Transform& transform, std::uint32_t material) {
   Surface surface;
   const std::size_t count = mesh.mNumVertices;
   const bool identity = transform == Transform{};
@@ -87,7 +84,7 @@ Surface to_surface(const aiMesh& mesh, const Transform& transform, std::uint32_t
     const aiVector3D& p = mesh.mVertices[v];
     surface.positions[v] = identity ? Vec3f{p.x, p.y, p.z} : to_float(transform.point({p.x, p.y, p.z}));
   }
-  if (mesh.HasNormals() && keeps_normals(format)) {
+  if (mesh.HasNormals()) {
     surface.attributes.normals.resize(count);
     for (std::size_t v = 0; v < count; ++v) {
       const Vec3d n{mesh.mNormals[v].x, mesh.mNormals[v].y, mesh.mNormals[v].z};
@@ -151,19 +148,60 @@ void add_dropped(const aiScene& scene, std::vector<Dropped>& dropped) {
   add(scene.mCameras, scene.mNumCameras, "camera", "answers have no cameras");
 }
 
-void add_scene(const aiScene& scene, MeshFormat format, const std::vector<std::uint32_t>& slots,
+Transform below(const Transform& parent, const aiNode& node) {
+  const Transform local = to_transform(node.mTransformation);
+  return parent == Transform{} ? local : local == Transform{} ? parent : parent * local;
+}
+
+Box box_of(const aiMesh& mesh) {
+  Box box;
+  for (unsigned v = 0; v < mesh.mNumVertices; ++v) {
+    const aiVector3D& p = mesh.mVertices[v];
+    if (std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z)) box.add(Vec3d{p.x, p.y, p.z});
+  }
+  return box;
+}
+
+/// The offset of the scene (file_positions.hpp), by the boxes of its meshes.
+Vec3d offset_of(const aiScene& scene) {
+  std::vector<Box> boxes;
+  for (unsigned m = 0; m < scene.mNumMeshes; ++m) boxes.push_back(box_of(*scene.mMeshes[m]));
+  Box all;
+  std::vector<std::pair<const aiNode*, Transform>> stack{{scene.mRootNode, Transform{}}};
+  while (!stack.empty()) {
+    const auto [node, parent] = stack.back();
+    stack.pop_back();
+    const Transform world = below(parent, *node);
+    for (unsigned k = 0; k < node->mNumMeshes; ++k) {
+      if (node->mMeshes[k] >= boxes.size() || boxes[node->mMeshes[k]].empty()) continue;
+      const Box& box = boxes[node->mMeshes[k]];
+      for (int corner = 0; corner < 8; ++corner) {
+        const Vec3d p = world.point({(corner & 1 ? box.max : box.min).x, (corner & 2 ? box.max : box.min).y,
+                                     (corner & 4 ? box.max : box.min).z});
+        if (std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z)) all.add(p);
+      }
+    }
+    for (unsigned k = 0; k < node->mNumChildren; ++k)
+      if (node->mChildren[k] != nullptr) stack.emplace_back(node->mChildren[k], world);
+  }
+  return offset_for(all);
+}
+
+/// `offset`: subtracted from all positions before they are rounded.
+void add_scene(const aiScene& scene, const std::vector<std::uint32_t>& slots, const Vec3d& offset,
                MeshBuilder& builder) {
   struct Waiting {
     const aiNode* node;
     Transform parent;
     std::uint32_t group;  ///< of the nodes above
   };
-  std::vector<Waiting> stack{{scene.mRootNode, Transform{}, kNoIndex}};
+  Transform root;
+  root.t = root.t - offset;
+  std::vector<Waiting> stack{{scene.mRootNode, root, kNoIndex}};
   while (!stack.empty()) {
     const auto [node, parent, above] = stack.back();
     stack.pop_back();
-    const Transform local = to_transform(node->mTransformation);
-    const Transform world = parent == Transform{} ? local : local == Transform{} ? parent : parent * local;
+    const Transform world = below(parent, *node);
     if (node->mNumMeshes > 0) builder.begin_node(node_name(*node), above);
     for (unsigned k = 0; k < node->mNumMeshes; ++k) {
       if (node->mMeshes[k] >= scene.mNumMeshes)
@@ -173,7 +211,7 @@ void add_scene(const aiScene& scene, MeshFormat format, const std::vector<std::u
       add_dropped(mesh, builder.dropped());
       const std::uint32_t material =
           mesh.mMaterialIndex < slots.size() ? slots[mesh.mMaterialIndex] : kNoIndex;
-      Surface surface = to_surface(mesh, world, material, format);
+      Surface surface = to_surface(mesh, world, material);
       if (surface.triangles.empty()) continue;
       if (auto added = builder.add(std::move(surface)); !added) throw Refused{added.error()};
     }
@@ -237,8 +275,10 @@ Expected<Mesh> import_with_assimp(std::span<const std::byte> bytes, MeshFormat f
     builder.remarks().add(materials.remarks);
     builder.set_library(std::move(materials.library));
     add_dropped(*scene, builder.dropped());
-    add_scene(*scene, format, materials.slot, builder);
-    const SourceFrame frame = format == MeshFormat::kFbx ? fbx_frame(*scene, builder) : SourceFrame{};
+    const Vec3d offset = offset_of(*scene);
+    add_scene(*scene, materials.slot, offset, builder);
+    SourceFrame frame = format == MeshFormat::kFbx ? fbx_frame(*scene, builder) : SourceFrame{};
+    frame.offset = offset;
     Expected<Mesh> mesh = builder.finish();
     if (mesh) mesh->frame = frame;
     return mesh;

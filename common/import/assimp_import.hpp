@@ -1,5 +1,5 @@
-// Imports OBJ, STL, PLY, OFF and, if enabled, BLEND, FBX, DAE and 3DS through Assimp. The declared format
-// determines the reader (the fifty readers are never asked to guess). Its IOSystem can open only the upload.
+// Imports BLEND, FBX, DAE, 3DS and others, if enabled, through Assimp. The declared format determines
+// the reader (the fifty readers are never asked to guess). Its IOSystem can open only the upload.
 #pragma once
 
 #include <cstddef>

@@ -3,120 +3,39 @@
 #include <assimp/GltfMaterial.h>
 #include <assimp/material.h>
 
-#include <algorithm>
-#include <cmath>
-#include <map>
-
-#include "common/base/printable.hpp"
-#include "common/import/gltf_materials.hpp"
-#include "common/import/text_encoding.hpp"
-#include "common/import/uri.hpp"
+#include "common/import/file_textures.hpp"
+#include "common/import/plain_materials.hpp"
 
 namespace fracture {
 namespace {
 
-using nlohmann::json;
-
-double unit_interval(float value) {
-  return std::isfinite(value) ? std::clamp(static_cast<double>(value), 0.0, 1.0) : 1.0;
-}
-
-/// Rounds to a few decimal digits, because Assimp's floats have no more, and 0.8 must not become
-/// 0.800000011920929.
-double short_number(float value) { return std::round(unit_interval(value) * 1e6) / 1e6; }
-
-class Textures {
- public:
-  Textures(const aiScene& scene, std::span<const ImportFile> files, TranslatedMaterials& out)
-      : scene_(scene), files_(files), out_(out) {}
-
-  /// Returns the glTF texture for this file or embedded image; kNoIndex (with a warning) if its bytes are
-  /// missing.
-  std::uint32_t texture(const std::string& path) {
-    if (const auto it = known_.find(path); it != known_.end()) return it->second;
-    Image image;
-    if (const aiTexture* embedded = scene_.GetEmbeddedTexture(path.c_str());
-        embedded != nullptr && embedded->mHeight == 0) {
-      const auto* begin = reinterpret_cast<const std::uint8_t*>(embedded->pcData);
-      image.bytes.assign(begin, begin + embedded->mWidth);
-    } else if (const ImportFile* file = find_file(files_, path)) {
-      const auto* begin = reinterpret_cast<const std::uint8_t*>(file->bytes.data());
-      image.bytes.assign(begin, begin + file->bytes.size());
-    }
-    image.mime_type = sniff_image(image.bytes);
-    const bool core = image.mime_type == "image/png" || image.mime_type == "image/jpeg";
-    if (!core) {
-      const std::string name = name_as_utf8(path);
-      out_.remarks.warn(image.bytes.empty()
-                            ? in_another_file(name)
-                            : "The image \"" + shortened(name) +
-                                  "\" is neither PNG nor JPEG and was left out. Surfaces that use it have no "
-                                  "texture in the answer. Convert it to PNG or JPEG.");
-      return known_[path] = kNoIndex;
-    }
-    image.name = name_as_utf8(path.substr(path.find_last_of("/\\") + 1));
-    json& textures = out_.library.textures;
-    textures.push_back({{"source", out_.library.images.size()}});
-    out_.library.images.push_back(std::move(image));
-    return known_[path] = static_cast<std::uint32_t>(textures.size() - 1);
-  }
-
- private:
-  const aiScene& scene_;
-  std::span<const ImportFile> files_;
-  TranslatedMaterials& out_;
-  std::map<std::string, std::uint32_t> known_;
-};
-
-json translate(const aiMaterial& source, Textures& textures) {
-  json material = json::object();
+PlainMaterial plain_from_assimp(const aiMaterial& source) {
+  PlainMaterial material;
   aiString name;
-  if (source.Get(AI_MATKEY_NAME, name) == aiReturn_SUCCESS && name.length > 0)
-    material["name"] = name_as_utf8(name.C_Str());
-  json pbr = {{"metallicFactor", 0}};
+  if (source.Get(AI_MATKEY_NAME, name) == aiReturn_SUCCESS) material.name = name.C_Str();
   aiColor4D color(1, 1, 1, 1);
   if (source.Get(AI_MATKEY_BASE_COLOR, color) != aiReturn_SUCCESS) source.Get(AI_MATKEY_COLOR_DIFFUSE, color);
-  float opacity = 1;
-  source.Get(AI_MATKEY_OPACITY, opacity);
-  const double alpha = short_number(opacity);
-  pbr["baseColorFactor"] = {short_number(color.r), short_number(color.g), short_number(color.b), alpha};
-  if (alpha < 1) material["alphaMode"] = "BLEND";
+  material.color = {color.r, color.g, color.b};
+  source.Get(AI_MATKEY_OPACITY, material.opacity);
   float value = 0;
-  if (source.Get(AI_MATKEY_METALLIC_FACTOR, value) == aiReturn_SUCCESS)
-    pbr["metallicFactor"] = short_number(value);
-  if (source.Get(AI_MATKEY_ROUGHNESS_FACTOR, value) == aiReturn_SUCCESS) {
-    pbr["roughnessFactor"] = short_number(value);
-  } else if (source.Get(AI_MATKEY_SHININESS, value) == aiReturn_SUCCESS && std::isfinite(value) &&
-             value > 0) {
-    // Blinn-Phong exponent n to roughness: alpha = roughness^2 = sqrt(2 / (n + 2)) (Walter et al. 2007).
-    pbr["roughnessFactor"] =
-        short_number(static_cast<float>(std::sqrt(std::sqrt(2.0 / (static_cast<double>(value) + 2.0)))));
-  }
-  aiColor3D emissive(0, 0, 0);
-  if (source.Get(AI_MATKEY_COLOR_EMISSIVE, emissive) == aiReturn_SUCCESS &&
-      (emissive.r > 0 || emissive.g > 0 || emissive.b > 0))
-    material["emissiveFactor"] = {short_number(emissive.r), short_number(emissive.g),
-                                  short_number(emissive.b)};
+  if (source.Get(AI_MATKEY_METALLIC_FACTOR, value) == aiReturn_SUCCESS) material.metallic = value;
+  if (source.Get(AI_MATKEY_ROUGHNESS_FACTOR, value) == aiReturn_SUCCESS) material.roughness = value;
+  if (source.Get(AI_MATKEY_SHININESS, value) == aiReturn_SUCCESS) material.shininess = value;
+  aiColor3D emission(0, 0, 0);
+  if (source.Get(AI_MATKEY_COLOR_EMISSIVE, emission) == aiReturn_SUCCESS)
+    material.emission = {emission.r, emission.g, emission.b};
   int two_sided = 0;
-  if (source.Get(AI_MATKEY_TWOSIDED, two_sided) == aiReturn_SUCCESS && two_sided != 0)
-    material["doubleSided"] = true;
-
-  const auto texture_of = [&](aiTextureType type) {
+  material.two_sided = source.Get(AI_MATKEY_TWOSIDED, two_sided) == aiReturn_SUCCESS && two_sided != 0;
+  const auto add_map = [&source](std::vector<std::string>& maps, aiTextureType type) {
     aiString path;
-    if (source.GetTexture(type, 0, &path) != aiReturn_SUCCESS || path.length == 0) return kNoIndex;
-    return textures.texture(path.C_Str());
+    if (source.GetTexture(type, 0, &path) == aiReturn_SUCCESS && path.length > 0)
+      maps.emplace_back(path.C_Str());
   };
-  std::uint32_t base = texture_of(aiTextureType_BASE_COLOR);
-  if (base == kNoIndex) base = texture_of(aiTextureType_DIFFUSE);
-  if (base != kNoIndex) pbr["baseColorTexture"] = {{"index", base}};
-  std::uint32_t normal = texture_of(aiTextureType_NORMALS);
-  if (normal == kNoIndex) normal = texture_of(aiTextureType_NORMAL_CAMERA);
-  if (normal != kNoIndex) material["normalTexture"] = {{"index", normal}};
-  if (const std::uint32_t glow = texture_of(aiTextureType_EMISSIVE); glow != kNoIndex) {
-    material["emissiveTexture"] = {{"index", glow}};
-    if (!material.contains("emissiveFactor")) material["emissiveFactor"] = {1, 1, 1};
-  }
-  material["pbrMetallicRoughness"] = std::move(pbr);
+  add_map(material.color_maps, aiTextureType_BASE_COLOR);
+  add_map(material.color_maps, aiTextureType_DIFFUSE);
+  add_map(material.normal_maps, aiTextureType_NORMALS);
+  add_map(material.normal_maps, aiTextureType_NORMAL_CAMERA);
+  add_map(material.emission_maps, aiTextureType_EMISSIVE);
   return material;
 }
 
@@ -124,7 +43,13 @@ json translate(const aiMaterial& source, Textures& textures) {
 
 TranslatedMaterials translate_materials(const aiScene& scene, std::span<const ImportFile> files) {
   TranslatedMaterials out;
-  Textures textures(scene, files, out);
+  FileTextures textures(files, out.library, out.remarks);
+  const auto find_texture = [&](const std::string& path) {
+    const aiTexture* embedded = scene.GetEmbeddedTexture(path.c_str());
+    if (embedded == nullptr || embedded->mHeight != 0) return textures.texture(path);
+    return textures.texture(path,
+                            {reinterpret_cast<const std::uint8_t*>(embedded->pcData), embedded->mWidth});
+  };
   for (unsigned k = 0; k < scene.mNumMaterials; ++k) {
     aiString name;
     scene.mMaterials[k]->Get(AI_MATKEY_NAME, name);
@@ -133,7 +58,7 @@ TranslatedMaterials translate_materials(const aiScene& scene, std::span<const Im
       continue;
     }
     out.slot.push_back(static_cast<std::uint32_t>(out.library.materials.size()));
-    out.library.materials.push_back(translate(*scene.mMaterials[k], textures));
+    out.library.materials.push_back(to_gltf(plain_from_assimp(*scene.mMaterials[k]), find_texture));
   }
   return out;
 }

@@ -1,5 +1,4 @@
-// Converts Assimp's materials to glTF's: the usual mapping of diffuse colour, opacity, shininess and emission
-// to metallic-roughness, and the textures whose bytes are in the upload.
+// Converts the materials that Assimp read to glTF's (plain_materials.hpp).
 #pragma once
 
 #include <assimp/scene.h>

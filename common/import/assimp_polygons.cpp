@@ -1,33 +1,13 @@
 #include "common/import/assimp_polygons.hpp"
 
-#include <cmath>
 #include <utility>
 #include <vector>
 
 #include "common/base/vec.hpp"
+#include "common/import/polygon_triangles.hpp"
 
 namespace fracture {
 namespace {
-
-bool flat_with_reflex_corner(const std::vector<Vec3d>& p) {
-  const std::size_t n = p.size();
-  // Newell's normal: twice the polygon's vector area.
-  Vec3d normal, center;
-  Box box;
-  for (std::size_t k = 0; k < n; ++k) {
-    normal = normal + cross(p[k] - p[0], p[(k + 1) % n] - p[0]);
-    center = center + (1.0 / static_cast<double>(n)) * p[k];
-    box.add(p[k]);
-  }
-  const double l = length(normal);
-  if (!(l > 0)) return false;
-  bool reflex = false;
-  for (std::size_t k = 0; k < n; ++k) {
-    if (std::fabs(dot(p[k] - center, normal)) > kFlat * box.longest_side() * l) return false;
-    reflex |= dot(cross(p[(k + 1) % n] - p[k], p[(k + 2) % n] - p[(k + 1) % n]), normal) < 0;
-  }
-  return reflex;
-}
 
 void fan_polygons(aiMesh& mesh) {
   if (!(mesh.mPrimitiveTypes & aiPrimitiveType_POLYGON)) return;

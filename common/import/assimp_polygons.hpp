@@ -1,15 +1,12 @@
-// Divides polygons as most tools do: a fan from the first corner, like common OBJ readers. Assimp chooses
-// other diagonals, so that bent polygons give a different solid than in other tools. Flat polygons with a
-// reflex corner are the exception, because a fan is wrong for them. They are left to Assimp's ear cutting.
+// Divides the polygons of an Assimp scene like those of our own readers (polygon_triangles.hpp). Assimp chooses other diagonals,
+// so that bent polygons give a different solid than in other tools.
 #pragma once
 
 #include <assimp/scene.h>
 
 namespace fracture {
 
-/// Replaces the polygons of the scene by fans, except flat ones with a reflex corner (flat: within kFlat of
-/// their extent).
-inline constexpr double kFlat = 1e-3;
+/// Replaces the polygons of the scene by fans, except flat ones with a reflex corner, which are left to Assimp's ear cutting.
 void fan_polygons(aiScene& scene);
 
 }  // namespace fracture

@@ -32,14 +32,17 @@ bool is_zstd(std::span<const std::byte> bytes) {
          bytes[2] == std::byte{0x2f} && bytes[3] == std::byte{0xfd};
 }
 
-Expected<std::vector<std::byte>> inflate(std::span<const std::byte> bytes, std::uint64_t max_bytes) {
+namespace {
+
+/// `window_bits`: as in inflateInit2().
+Expected<std::vector<std::byte>> inflate_stream(std::span<const std::byte> bytes, std::uint64_t max_bytes,
+                                                int window_bits) {
   if (bytes.size() > std::numeric_limits<uInt>::max())
     return fail(ErrorCode::kTooLarge, "The compressed file is larger than 4 GiB.");
   z_stream stream{};
   stream.next_in = reinterpret_cast<Bytef*>(const_cast<std::byte*>(bytes.data()));  // not written by zlib
   stream.avail_in = static_cast<uInt>(bytes.size());
-  constexpr int kGzipOrZlib = 32 + MAX_WBITS;
-  if (inflateInit2(&stream, kGzipOrZlib) != Z_OK) throw InternalError("zlib could not be initialised");
+  if (inflateInit2(&stream, window_bits) != Z_OK) throw InternalError("zlib could not be initialised");
   const auto end = [](z_stream* s) { inflateEnd(s); };
   const std::unique_ptr<z_stream, decltype(end)> owner(&stream, end);
   std::vector<std::byte> out;
@@ -55,6 +58,17 @@ Expected<std::vector<std::byte>> inflate(std::span<const std::byte> bytes, std::
   if (out.size() > max_bytes) return too_large(max_bytes);
   if (result != Z_STREAM_END) return damaged(out.size());
   return out;
+}
+
+}  // namespace
+
+Expected<std::vector<std::byte>> inflate(std::span<const std::byte> bytes, std::uint64_t max_bytes) {
+  constexpr int kGzipOrZlib = 32 + MAX_WBITS;
+  return inflate_stream(bytes, max_bytes, kGzipOrZlib);
+}
+
+Expected<std::vector<std::byte>> inflate_raw(std::span<const std::byte> bytes, std::uint64_t max_bytes) {
+  return inflate_stream(bytes, max_bytes, -MAX_WBITS);
 }
 
 Expected<std::vector<std::byte>> unzstd(std::span<const std::byte> bytes, std::uint64_t max_bytes) {

@@ -70,6 +70,9 @@ std::optional<MeshFormat> format_from_content(std::span<const std::byte> bytes) 
   }
   text.remove_prefix(std::min(text.find_first_not_of(" \t\r\n"), text.size()));
   if (text.substr(0, 4) == "ply\r") return MeshFormat::kPly;
+  if (equal_ignoring_case(text.substr(0, 6), "solid ")) return MeshFormat::kStl;
+  const std::size_t off = text.find_first_not_of("STCN4n");  // what precedes OFF says what its vertices have
+  if (off != std::string_view::npos && off <= 6 && text.substr(off, 3) == "OFF") return MeshFormat::kOff;
   for (const FormatInfo& f : kFormats)
     if (!f.magic.empty() && text.substr(0, f.magic.size()) == f.magic) return f.format;
   return std::nullopt;

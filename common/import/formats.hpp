@@ -1,5 +1,5 @@
 // All mesh formats, from one table (formats.def): their names, how to recognize their files, and the meaning
-// of their coordinates. tinygltf reads glTF; Assimp reads all others.
+// of their coordinates. tinygltf reads glTF, our own readers read OBJ, STL, PLY, OFF and 3MF, and Assimp reads the others.
 #pragma once
 
 #include <cstddef>
@@ -21,8 +21,8 @@ enum class FormatEncoding { kBinary, kText, kXml };
 /// Axes and units that a format defines if its files do not state them.
 enum class FormatFrame { kUnknown, kYUp, kZUp, kMetresYUp };
 
-/// The library that reads a format. import.cpp calls each.
-enum class FormatReader { kTinygltf, kAssimp };
+/// The library that reads a format; kOwn: a reader in this folder. import.cpp calls each.
+enum class FormatReader { kTinygltf, kOwn, kAssimp };
 
 struct FormatInfo {
   MeshFormat format;

@@ -135,7 +135,9 @@ void add_scenes(const json& document, std::vector<Dropped>& dropped) {
 }
 
 /// The members of a node's extras that are the results of an earlier fracture.
-bool is_result(const std::string& member) { return member == "fracture" || member == "intact"; }
+bool is_result(const std::string& member) {
+  return member == "fracture" || member == "intact" || member == "whole";
+}
 
 /// Returns whether a glTF node can have the transform: translation, rotation and scale. Tolerance: rounding to floats.
 bool is_node_transform(const Transform& m) {

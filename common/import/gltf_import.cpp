@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <iterator>
 #include <map>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -13,6 +12,8 @@
 #include "common/import/gltf_dropped.hpp"
 #include "common/import/gltf_model.hpp"
 #include "common/import/gltf_morph.hpp"
+#include "common/import/gltf_offset.hpp"
+#include "common/import/gltf_skin.hpp"
 #include "common/import/mesh_builder.hpp"
 #include "common/import/refused.hpp"
 #include "common/import/transform.hpp"
@@ -138,85 +139,17 @@ class MeshReader {
   MeshBuilder& builder_;
 };
 
-// -- skins
-
-/// One matrix per joint, which moves the mesh to the pose stored in the file (joint's world · inverse bind
-/// matrix).
-std::vector<Transform> joint_matrices(const tinygltf::Model& model, const GltfScene& scene,
-                                      const tinygltf::Skin& skin) {
-  std::vector<double> inverse;
-  if (skin.inverseBindMatrices >= 0) inverse = read_accessor(model, skin.inverseBindMatrices, 16);
-  std::vector<Transform> result;
-  for (std::size_t j = 0; j < skin.joints.size(); ++j) {
-    at(model.nodes, skin.joints[j], "joint");
-    const auto& world = scene.world[static_cast<std::size_t>(skin.joints[j])];
-    Transform bind;
-    if (inverse.size() >= 16 * (j + 1)) {
-      const double* m = &inverse[16 * j];
-      bind = {{m[0], m[1], m[2]}, {m[4], m[5], m[6]}, {m[8], m[9], m[10]}, {m[12], m[13], m[14]}};
-    }
-    result.push_back(world.value_or(Transform{}) * bind);
-  }
-  return result;
-}
-
-double largest_difference(const Transform& a, const Transform& b) {
-  double d = 0;
-  for (const auto& [u, v] : {std::pair{a.x, b.x}, {a.y, b.y}, {a.z, b.z}, {a.t, b.t}})
-    for (int k = 0; k < 3; ++k) d = std::max(d, std::abs(u[k] - v[k]));
-  return d;
-}
-
-/// Moves the vertices of a skinned mesh to the world. If the stored pose is the bind pose, all joints agree
-/// up to the rounding of the inverse bind matrices. Then one matrix moves the whole mesh, and identical
-/// vertices stay identical.
-class Skinning {
- public:
-  Skinning(std::vector<Transform> joints, double size) : joints_(std::move(joints)) {
-    constexpr double kRounding = 1e-4;  // float32 matrices multiplied along a chain of some twenty joints
-    if (joints_.empty()) return;
-    for (const Transform& joint : joints_)
-      if (!(largest_difference(joint, joints_[0]) <= kRounding * std::max(1.0, size))) return;
-    rigid_ = joints_[0];
-    if (largest_difference(*rigid_, Transform{}) <= kRounding * std::max(1.0, size)) rigid_ = Transform{};
-  }
-  const std::optional<Transform>& rigid() const { return rigid_; }
-
-  Transform blend(const RawSurface& raw, std::size_t vertex) const {
-    Transform sum{{0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}};
-    double total = 0;
-    for (std::size_t set = 0; set < raw.joints.size(); ++set)
-      for (std::size_t k = 0; k < 4; ++k) {
-        const double weight = raw.weights[set][4 * vertex + k], joint = raw.joints[set][4 * vertex + k];
-        if (!(weight > 0)) continue;
-        if (!(joint < static_cast<double>(joints_.size())))
-          refuse(ErrorCode::kMalformedMesh,
-                 "A vertex refers to joint " + std::to_string(static_cast<std::uint64_t>(joint)) +
-                     "; the skin has only " + std::to_string(joints_.size()) + " joints.");
-        const Transform& m = joints_[static_cast<std::size_t>(joint)];
-        sum = {sum.x + weight * m.x, sum.y + weight * m.y, sum.z + weight * m.z, sum.t + weight * m.t};
-        total += weight;
-      }
-    if (!(total > 0)) return Transform{};
-    const double scale = 1 / total;
-    return {scale * sum.x, scale * sum.y, scale * sum.z, scale * sum.t};
-  }
-
- private:
-  std::vector<Transform> joints_;
-  std::optional<Transform> rigid_;
-};
-
 // -- into the world
 
 Vec3d triple(const std::vector<double>& values, std::size_t v, std::size_t width = 3) {
   return {values[width * v], values[width * v + 1], values[width * v + 2]};
 }
 
-/// Returns the surface after applying a transform to each vertex (the same for all vertices unless skinned).
-/// The winding is reversed if `mirrored`.
-template <class TransformOf>
-Surface place(const RawSurface& raw, bool mirrored, TransformOf&& transform_of) {
+/// Returns the surface after applying a transform to each vertex (the same for all vertices unless skinned). If the
+/// transform mirrors, tangents change their handedness. A triangle is reversed if most of its corners are mirrored, so
+/// its winding still agrees with its normals.
+template <class TransformOf, class IsMirrored>
+Surface place(const RawSurface& raw, IsMirrored&& is_mirrored, TransformOf&& transform_of) {
   Surface surface;
   const std::size_t count = raw.positions.size() / 3;
   surface.positions.resize(count);
@@ -237,8 +170,8 @@ Surface place(const RawSurface& raw, bool mirrored, TransformOf&& transform_of) 
       const Vec3d t = triple(raw.tangents, v, 4);
       const bool keep = identity && std::abs(dot(t, t) - 1) < 1e-6;
       const Vec3f u = keep ? to_float(t) : unit_float(identity ? t : m.linear(t));
-      const double sign = raw.tangents[4 * v + 3] < 0 ? -1 : 1;
-      surface.attributes.tangents[v] = {u.x, u.y, u.z, static_cast<float>(mirrored ? -sign : sign)};
+      const double sign = (raw.tangents[4 * v + 3] < 0) == is_mirrored(v) ? 1 : -1;
+      surface.attributes.tangents[v] = {u.x, u.y, u.z, static_cast<float>(sign)};
     }
   }
   for (const auto& set : raw.uvs) {
@@ -254,10 +187,27 @@ Surface place(const RawSurface& raw, bool mirrored, TransformOf&& transform_of) 
     }
   }
   surface.triangles = raw.triangles;
-  if (mirrored)
-    for (auto& triangle : surface.triangles) std::swap(triangle[1], triangle[2]);
+  for (auto& triangle : surface.triangles) {
+    const auto mirrored = std::count_if(triangle.begin(), triangle.end(), is_mirrored);
+    if (mirrored >= 2) std::swap(triangle[1], triangle[2]);
+  }
   surface.materials = raw.materials;
   return surface;
+}
+
+Surface place(const RawSurface& raw, const Transform& transform) {
+  const bool mirrored = transform.determinant() < 0;
+  return place(
+      raw, [&](std::size_t) { return mirrored; }, [&](std::size_t) -> const Transform& { return transform; });
+}
+
+Surface blend(const RawSurface& raw, const Skinning& skinning) {
+  std::vector<Transform> of_vertex(raw.positions.size() / 3);
+  for (std::size_t v = 0; v < of_vertex.size(); ++v)
+    of_vertex[v] = skinning.blend(raw.joints, raw.weights, v);
+  return place(
+      raw, [&](std::size_t v) { return of_vertex[v].determinant() < 0; },
+      [&](std::size_t v) -> const Transform& { return of_vertex[v]; });
 }
 
 double largest_coordinate(const std::vector<RawSurface>& surfaces) {
@@ -272,9 +222,9 @@ void add(MeshBuilder& builder, Surface surface) {
   if (auto added = builder.add(std::move(surface)); !added) throw Refused{added.error()};
 }
 
-/// `group`: of the nodes above. `extras`: of the node (Mesh::node_extras).
-void add_node(const tinygltf::Model& model, const GltfScene& scene, int index, std::uint32_t group,
-              const std::string& extras, const MeshReader& reader, MeshBuilder& builder,
+/// `group`: of the nodes above. `offset`: what was subtracted from the scene. `extras`: of the node (Mesh::node_extras).
+void add_node(const tinygltf::Model& model, const GltfScene& scene, const Vec3d& offset, int index,
+              std::uint32_t group, const std::string& extras, const MeshReader& reader, MeshBuilder& builder,
               const ImportLimits& limits) {
   const tinygltf::Node& node = model.nodes[static_cast<std::size_t>(index)];
   if (node.mesh < 0) return;
@@ -286,35 +236,25 @@ void add_node(const tinygltf::Model& model, const GltfScene& scene, int index, s
                                                      [](const RawSurface& s) { return !s.joints.empty(); });
   if (skinned) {
     // A skinned mesh ignores its node's own transform (glTF 2.0, 3.7.3.3).
-    const Skinning skinning(joint_matrices(model, scene, at(model.skins, node.skin, "skin")),
-                            largest_coordinate(surfaces));
+    const Skinning skinning(joint_matrices(model, scene, at(model.skins, node.skin, "skin"), offset),
+                            largest_coordinate(surfaces), offset);
     builder.begin_node(name, group);
     builder.set_extras(extras);
     builder.remarks().note(
         skinning.rigid() ? "Skins were baked in the bind pose."
                          : "Skins were baked in the pose that the file stores, which is not the bind pose.");
     for (const RawSurface& raw : surfaces) {
-      const bool blended = !skinning.rigid() && !raw.joints.empty();
       const Transform rigid = skinning.rigid().value_or(*scene.world[static_cast<std::size_t>(index)]);
-      if (blended) {
-        Transform current;
-        add(builder, place(raw, false, [&](std::size_t v) -> const Transform& {
-              return current = skinning.blend(raw, v);
-            }));
-      } else {
-        add(builder,
-            place(raw, rigid.determinant() < 0, [&](std::size_t) -> const Transform& { return rigid; }));
-      }
+      add(builder, skinning.rigid() || raw.joints.empty() ? place(raw, rigid) : blend(raw, skinning));
     }
     return;
   }
   const Transform& world = *scene.world[static_cast<std::size_t>(index)];
   for (const Transform& instance : gltf_instances(model, node, limits.max_triangles)) {
     const Transform m = instance == Transform{} ? world : world * instance;
-    builder.begin_node(name, group);
+    builder.begin_node(name, group, {static_cast<std::uint32_t>(node.mesh), m.x, m.y, m.z, m.t});
     builder.set_extras(extras);
-    for (const RawSurface& raw : surfaces)
-      add(builder, place(raw, m.determinant() < 0, [&](std::size_t) -> const Transform& { return m; }));
+    for (const RawSurface& raw : surfaces) add(builder, place(raw, m));
   }
 }
 
@@ -332,21 +272,25 @@ Expected<Mesh> import_gltf(std::span<const std::byte> bytes, MeshFormat format, 
     builder.set_copyright(document.copyright);
     const tinygltf::Model model = load_gltf_model(document);
     const MeshReader reader(model, material_count, builder);
-    const GltfScene scene = walk_gltf_scene(model, document.center);
+    GltfScene scene = walk_gltf_scene(model, document.center);
+    const Vec3d offset = gltf_offset(model, scene, limits.max_triangles);
+    subtract(offset, scene);
     OtherNodes others = other_nodes(document.json, model, scene);
     std::ranges::move(others.dropped, std::back_inserter(builder.dropped()));
     builder.set_empty_nodes(std::move(others.kept));
     std::vector<std::uint32_t> group_above(model.nodes.size(), kNoIndex);
     for (const int index : scene.order) {  // parents come before their children
       const auto at = static_cast<std::size_t>(index);
-      add_node(model, scene, index, group_above[at], carried_extras(document.json["nodes"][at]), reader,
-               builder, limits);
+      add_node(model, scene, offset, index, group_above[at], carried_extras(document.json["nodes"][at]),
+               reader, builder, limits);
       const tinygltf::Node& node = model.nodes[at];
       if (node.children.empty()) continue;
       const std::uint32_t group = builder.add_group(node.name, group_above[at]);
       for (const int child : node.children) group_above[static_cast<std::size_t>(child)] = group;
     }
-    return builder.finish();
+    Expected<Mesh> mesh = builder.finish();
+    if (mesh) mesh->frame.offset = offset;
+    return mesh;
   } catch (const Refused& refused) {
     return tl::unexpected<Error>(refused.error);
   } catch (const nlohmann::json::exception& error) {

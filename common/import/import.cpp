@@ -9,8 +9,13 @@
 #include "common/import/complete_attributes.hpp"
 #include "common/import/decompress.hpp"
 #include "common/import/gltf_import.hpp"
+#include "common/import/obj_import.hpp"
+#include "common/import/off_import.hpp"
+#include "common/import/ply_import.hpp"
 #include "common/import/preflight.hpp"
+#include "common/import/stl_import.hpp"
 #include "common/import/text_encoding.hpp"
+#include "common/import/threemf_import.hpp"
 #include "common/surface_color/surface_colors.hpp"
 
 namespace fracture {
@@ -56,15 +61,11 @@ Expected<void> preflight_of(std::span<const std::byte> bytes, MeshFormat format,
   switch (format) {
     case MeshFormat::kGlb:
     case MeshFormat::kGltf:
-      return {};  // the glTF reader does this itself, because it needs the chunks
     case MeshFormat::kObj:
-      return preflight::check_obj(bytes, limits);
     case MeshFormat::kStl:
-      return preflight::check_stl(bytes, limits);
     case MeshFormat::kPly:
-      return preflight::check_ply(bytes, limits);
     case MeshFormat::kOff:
-      return preflight::check_off(bytes, limits);
+      return {};  // their readers do this themselves
     case MeshFormat::k3mf:
     case MeshFormat::kIfczip:
     case MeshFormat::kPk3:
@@ -81,6 +82,13 @@ Expected<Mesh> read(const PlainFile& file, const ImportLimits& limits, std::span
   switch (format_info(file.format).reader) {
     case FormatReader::kTinygltf:
       return import_gltf(file.bytes, file.format, limits, files);
+    case FormatReader::kOwn:
+      if (file.format == MeshFormat::kObj) return import_obj(file.bytes, limits, files);
+      if (file.format == MeshFormat::kStl) return import_stl(file.bytes, limits);
+      if (file.format == MeshFormat::kPly) return import_ply(file.bytes, limits, files);
+      if (file.format == MeshFormat::kOff) return import_off(file.bytes, limits);
+      if (file.format == MeshFormat::k3mf) return import_3mf(file.bytes, limits);
+      break;
     case FormatReader::kAssimp:
       return import_with_assimp(file.bytes, file.format, limits, files);
   }

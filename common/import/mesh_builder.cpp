@@ -53,9 +53,10 @@ std::uint32_t MeshBuilder::add_group(std::string name, std::uint32_t parent) {
   return static_cast<std::uint32_t>(mesh_.groups.size() - 1);
 }
 
-void MeshBuilder::begin_node(std::string name, std::uint32_t group) {
+void MeshBuilder::begin_node(std::string name, std::uint32_t group, const MeshInstance& instance) {
   mesh_.node_names.push_back(std::move(name));
   mesh_.group_of_node.push_back(group);
+  mesh_.instances.push_back(instance);
 }
 
 void MeshBuilder::set_extras(std::string members) {

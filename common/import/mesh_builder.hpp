@@ -31,7 +31,7 @@ class MeshBuilder {
   /// result is then `parent`.
   std::uint32_t add_group(std::string name, std::uint32_t parent);
   /// Begins a mesh instance in a group (kNoIndex: none). The surfaces added next belong to it.
-  void begin_node(std::string name, std::uint32_t group = kNoIndex);
+  void begin_node(std::string name, std::uint32_t group = kNoIndex, const MeshInstance& instance = {});
   /// Sets the extras of the mesh instance begun last (Mesh::node_extras).
   void set_extras(std::string members);
   /// Adds a surface. Errors: kMalformedMesh (a triangle uses a vertex that does not exist), kTooLarge.
@@ -54,7 +54,7 @@ class MeshBuilder {
 };
 
 /// Merges wedges of the surface that are identical in every bit of every attribute. For formats that store
-/// one vertex per corner (STL, and OBJ as read by Assimp). Triangles keep their order, and wedges are ordered
+/// one vertex per corner (STL), or that may repeat values (OBJ). Triangles keep their order, and wedges are ordered
 /// by first use.
 void merge_identical_wedges(Surface& surface);
 

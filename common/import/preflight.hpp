@@ -25,18 +25,6 @@ Expected<GlbChunks> split_glb(std::span<const std::byte> bytes);
 /// brackets outside strings.
 Expected<void> check_json_depth(std::string_view json, std::uint32_t max_depth);
 
-/// Checks that an STL file is binary with exactly 84 + 50·n bytes, or an ASCII "solid" file with facets.
-Expected<void> check_stl(std::span<const std::byte> bytes, const ImportLimits& limits);
-
-/// Checks that a PLY file has a valid header and that its declared elements fit into the remaining bytes.
-Expected<void> check_ply(std::span<const std::byte> bytes, const ImportLimits& limits);
-
-/// Checks that the vertices and faces declared by an OFF file fit into the remaining bytes.
-Expected<void> check_off(std::span<const std::byte> bytes, const ImportLimits& limits);
-
-/// Checks that an OBJ file is text with at least one face, and that its faces do not exceed the limit.
-Expected<void> check_obj(std::span<const std::byte> bytes, const ImportLimits& limits);
-
 /// Checks that BLEND, FBX, DAE and 3DS files begin with the magic of the declared format. The sandboxed
 /// parser checks everything else.
 Expected<void> check_magic(std::span<const std::byte> bytes, MeshFormat format);

@@ -9,7 +9,10 @@
 #include <utility>
 
 #include "common/import/gltf_entries.hpp"
+#include "common/import/obj_lines.hpp"
+#include "common/import/obj_names.hpp"
 #include "common/import/text_encoding.hpp"
+#include "common/import/text_words.hpp"
 #include "common/import/uri.hpp"
 
 namespace fracture {
@@ -49,13 +52,22 @@ void add_gltf(std::string_view bytes, Names& names) {
 /// Calls f(keyword, rest) for every line of an OBJ or MTL file that has both.
 template <class F>
 void for_lines(std::string_view text, F&& f) {
-  while (!text.empty()) {
-    std::string_view line = text.substr(0, text.find('\n'));
-    text.remove_prefix(std::min(text.size(), line.size() + 1));
-    line.remove_prefix(std::min(line.size(), line.find_first_not_of(" \t")));
-    const std::size_t space = line.find_first_of(" \t");
-    if (space != std::string_view::npos) f(line.substr(0, space), line.substr(space + 1));
+  ObjLines lines(text);
+  for (std::string_view line; lines.next(line);) {
+    const std::string_view keyword = take_word(line);
+    if (!line.empty()) f(keyword, line);
   }
+}
+
+/// Comments in the header, as MeshLab writes them: "comment TextureFile wood grain.png".
+void add_ply(std::string_view text, Names& names) {
+  constexpr std::size_t kMaxHeader = 1u << 20;
+  constexpr std::string_view kKey = "TextureFile ";
+  const std::string_view header = text.substr(0, kMaxHeader);
+  for_lines(header.substr(0, header.find("end_header")), [&](std::string_view key, std::string_view rest) {
+    rest.remove_prefix(std::min(rest.size(), rest.find_first_not_of(" \t")));
+    if (key == "comment" && rest.starts_with(kKey)) names.add(std::string(rest.substr(kKey.size())));
+  });
 }
 
 void add_dae(std::string_view text, Names& names) {
@@ -190,8 +202,12 @@ std::vector<std::string> referenced_files(std::span<const std::byte> bytes, Mesh
       break;
     case MeshFormat::kObj:
       for_lines(text, [&](std::string_view key, std::string_view rest) {
-        if (key == "mtllib") names.add(std::string(rest));
+        if (key != "mtllib") return;
+        for (std::string& name : material_libraries(rest)) names.add(std::move(name));
       });
+      break;
+    case MeshFormat::kPly:
+      add_ply(text, names);
       break;
     case MeshFormat::kFbx:
       add_fbx(text, names);
@@ -208,14 +224,7 @@ std::vector<std::string> referenced_files(std::span<const std::byte> bytes, Mesh
 std::vector<std::string> textures_of_mtl(std::string_view text) {
   Names names;
   for_lines(text, [&](std::string_view key, std::string_view rest) {
-    const bool texture = key.substr(0, 4) == "map_" || key == "bump" || key == "norm" || key == "disp" ||
-                         key == "decal" || key == "refl";
-    if (!texture) return;
-    while (!rest.empty() && (rest.back() == '\r' || rest.back() == ' ')) rest.remove_suffix(1);
-    // Options such as `-bm 0.2` precede the name. A name may contain blanks, but not after options.
-    const bool options =
-        rest.substr(0, rest.find_first_not_of(" \t") + 1).find('-') != std::string_view::npos;
-    names.add(std::string(options ? rest.substr(rest.find_last_of(" \t") + 1) : rest));
+    if (is_map(key)) names.add(std::string(file_of_map(rest).name));
   });
   return names.take();
 }
@@ -229,9 +238,13 @@ std::vector<SiblingFile> read_sibling_files(const std::string& path, std::span<c
     case MeshFormat::kGlb:
     case MeshFormat::kGltf:
     case MeshFormat::kObj:
+    case MeshFormat::kPly:
     case MeshFormat::kFbx:
     case MeshFormat::kDae:
       break;
+    case MeshFormat::kStl:
+    case MeshFormat::kOff:  // they refer to no other file
+      return files;
     default:
       read_mentioned(path, folder, {reinterpret_cast<const char*>(bytes.data()), bytes.size()}, files);
       return files;

@@ -13,7 +13,7 @@
 namespace fracture {
 
 /// Returns the other files that a mesh file refers to, in order and without duplicates: buffers and images of
-/// glTF and GLB, material files of OBJ, textures of FBX and DAE. Percent escapes are decoded, and backslashes
+/// glTF and GLB, material files of OBJ, textures of PLY, FBX and DAE. Percent escapes are decoded, and backslashes
 /// replaced. Data uris and urls with a scheme are not files. For other formats and for files that cannot be
 /// parsed, the list is empty.
 std::vector<std::string> referenced_files(std::span<const std::byte> bytes, MeshFormat format);
@@ -30,7 +30,7 @@ struct SiblingFile {
 /// its subfolders. If a name is absolute, contains "..", or leads out of the folder through a link, only its
 /// last component is used, as the importers do for textures. Missing files are left out; the importer reports
 /// them.
-/// For formats that referenced_files() does not support, searches the folder and two levels of subfolders (at
+/// STL and OFF refer to no files. For other formats that referenced_files() does not support, searches the folder and two levels of subfolders (at
 /// most 1,000 entries). Reads files whose names occur in the bytes of the asset or of a file found this way,
 /// and files that belong to the asset by name ("x_a.3d" to "x_d.3d", "x.skin" to "x.md3").
 std::vector<SiblingFile> read_sibling_files(const std::string& path, std::span<const std::byte> bytes,

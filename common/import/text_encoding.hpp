@@ -8,6 +8,8 @@
 #include <string>
 #include <string_view>
 
+#include "common/base/utf8.hpp"
+
 namespace fracture {
 
 /// Returns the text in UTF-8 if it begins with a UTF-16 byte order mark, otherwise nothing. Lone surrogates
@@ -40,31 +42,6 @@ inline std::optional<std::string> utf16_to_utf8(std::span<const std::byte> bytes
     for (int m = more - 1; m >= 0; --m) text += static_cast<char>(0x80 | (code >> 6 * m & 0x3f));
   }
   return text;
-}
-
-/// Whether the text is UTF-8 according to RFC 3629 (no overlong forms, no surrogates).
-inline bool is_utf8(std::string_view text) {
-  for (std::size_t k = 0; k < text.size();) {
-    const auto byte = [&](std::size_t at) {
-      return static_cast<unsigned char>(at < text.size() ? text[at] : 0);
-    };
-    const unsigned first = byte(k);
-    const std::size_t length = first < 0x80   ? 1
-                               : first < 0xc2 ? 0
-                               : first < 0xe0 ? 2
-                               : first < 0xf0 ? 3
-                               : first < 0xf5 ? 4
-                                              : 0;
-    if (length == 0) return false;
-    for (std::size_t j = 1; j < length; ++j)
-      if ((byte(k + j) & 0xc0) != 0x80) return false;
-    const unsigned second = byte(k + 1);
-    if ((first == 0xe0 && second < 0xa0) || (first == 0xed && second > 0x9f) ||
-        (first == 0xf0 && second < 0x90) || (first == 0xf4 && second > 0x8f))
-      return false;
-    k += length;
-  }
-  return true;
 }
 
 /// Returns a name that JSON can contain: invalid UTF-8 is interpreted as Latin-1, which old exporters write.

@@ -1,5 +1,6 @@
 #include "common/mesh/frame.hpp"
 
+#include <charconv>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -27,9 +28,16 @@ namespace {
 /// for bit.
 template <class Vector>
 void turn(Vector& v) {
-  const float y = v.y;
+  const auto y = v.y;
   v.y = v.z;
-  v.z = 0.0f - y;
+  v.z = 0 - y;
+}
+
+/// The shortest digits that read back as the same double, without the locale.
+std::string written(double value) {
+  char text[350];  // the largest double has 309 digits
+  const auto end = std::to_chars(text, text + sizeof text, value, std::chars_format::fixed).ptr;
+  return {text, end};
 }
 
 /// Turns the node like the positions, and its own axes with it: what stands upright on its z axis stands on its y axis
@@ -61,6 +69,11 @@ void to_json(nlohmann::json& document, const FrameReport& frame) {
               {"unit_from", name_of(frame.unit_from)},
               {"up", frame.z_up ? "z" : "y"},
               {"up_from", name_of(frame.up_from)}};
+  if (!(frame.offset == Vec3d{})) document["offset"] = {frame.offset.x, frame.offset.y, frame.offset.z};
+}
+
+std::string to_text(const Vec3d& place) {
+  return "(" + written(place.x) + ", " + written(place.y) + ", " + written(place.z) + ")";
 }
 
 Expected<FrameReport> to_metres_y_up(Mesh& mesh, const FrameOptions& options) {
@@ -83,11 +96,18 @@ Expected<FrameReport> to_metres_y_up(Mesh& mesh, const FrameOptions& options) {
     node.t = metres * node.t;
     if (z_up) turn_axes(node);
   }
+  Vec3d offset = metres * mesh.frame.offset;
   if (z_up) {
+    turn(offset);
     for (Vec3f& p : mesh.positions) turn(p);
     for (Vec3f& n : mesh.attributes.normals) turn(n);
     for (Vec4f& t : mesh.attributes.tangents) turn(t);
   }
+  for (MeshInstance& instance : mesh.instances)
+    for (Vec3d* v : {&instance.x, &instance.y, &instance.z, &instance.t}) {
+      if (metres != 1) *v = metres * *v;
+      if (z_up) turn(*v);
+    }
   using From = FrameReport::From;
   const auto from = [](bool asked, bool stated) {
     return asked ? From::kRequest : stated ? From::kFile : From::kAssumed;
@@ -95,8 +115,16 @@ Expected<FrameReport> to_metres_y_up(Mesh& mesh, const FrameOptions& options) {
   const FrameReport report{.metres_per_unit = metres,
                            .unit_from = from(unit_asked, mesh.frame.metres_stated),
                            .z_up = z_up,
-                           .up_from = from(up_asked, mesh.frame.up_stated)};
-  mesh.frame = {.metres = 1, .metres_stated = true, .z_up = false, .up_stated = true};
+                           .up_from = from(up_asked, mesh.frame.up_stated),
+                           .offset = offset};
+  mesh.frame = {
+      .metres = 1, .metres_stated = true, .z_up = false, .up_stated = true, .offset = report.offset};
+  if (!(offset == Vec3d{}))
+    mesh.remarks.note(
+        "The mesh is so far from its origin that floats are too coarse there. So the answer's root node is at " +
+        to_text(offset) +
+        " m, and all places in the answer and its report are relative to this point. Places in parameters "
+        "are not: they have the origin of the file.");
   return report;
 }
 

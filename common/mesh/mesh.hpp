@@ -13,6 +13,7 @@
 #include "common/base/remarks.hpp"
 #include "common/base/vec.hpp"
 #include "common/mesh/dropped.hpp"
+#include "common/mesh/given_hull.hpp"
 
 namespace fracture {
 
@@ -45,6 +46,9 @@ struct SourceFrame {
   bool metres_stated = false;  ///< false: not stated, so metres are assumed
   bool z_up = false;           ///< z is up and y points away; otherwise y is up
   bool up_stated = false;      ///< false: not stated, so y is assumed
+  /// The importer subtracted this from each position, because floats at that distance from the origin are too coarse
+  /// (import/file_positions.hpp). In the units and axes of the positions. Zero for meshes near the origin.
+  Vec3d offset{};
 };
 
 /// A node of the source above one or several mesh instances, or a mesh of the source that has a name of its own.
@@ -65,9 +69,18 @@ struct EmptyNode {
   friend bool operator==(const EmptyNode&, const EmptyNode&) = default;
 };
 
+/// How a node of the source placed a mesh that several nodes may share.
+struct MeshInstance {
+  std::uint32_t mesh =
+      kNoIndex;  ///< number of the mesh in the source; kNoIndex: the vertices depend on more than a transform
+  /// From the mesh's coordinates to the frame of Mesh::positions: the columns of the linear part, and the translation.
+  Vec3d x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1}, t{0, 0, 0};
+  friend bool operator==(const MeshInstance&, const MeshInstance&) = default;
+};
+
 struct Mesh {
-  /// Per wedge, right-handed, in the frame of the scene's root. For an imported mesh, metres and y up only
-  /// after to_metres_y_up() (mesh/frame.hpp).
+  /// Per wedge, right-handed, in the frame of the scene's root, less frame.offset. For an imported mesh, metres and y up
+  /// only after to_metres_y_up() (mesh/frame.hpp).
   std::vector<Vec3f> positions;
   SourceFrame frame;
   Attributes attributes;
@@ -77,17 +90,19 @@ struct Mesh {
   std::vector<std::string> node_names;  ///< mesh instances of the source, UTF-8, possibly repeated
   std::vector<NodeGroup> groups{};      ///< parents come before their children
   std::vector<std::uint32_t>
-      group_of_node{};  ///< per node: its innermost group, or kNoIndex; empty: no groups
+      group_of_node{};                    ///< per node: its innermost group, or kNoIndex; empty: no groups
+  std::vector<MeshInstance> instances{};  ///< one for each of node_names; empty: none is known
   /// Per node: the members of its extras, as JSON text without the braces ("\"hp\":120"); an empty text: none. Empty: no node
-  /// has any. Without the members `fracture` and `intact`, which answers write themselves.
+  /// has any. Without the members `fracture`, `intact` and `whole`, which answers write themselves.
   std::vector<std::string> node_extras{};
   std::vector<EmptyNode> empty_nodes{};
   std::vector<SurfaceColor>
       triangle_color;  ///< per triangle (surface_color/surface_colors.hpp); empty: none is known
   std::shared_ptr<const MaterialLibrary> library = empty_library();
-  std::string copyright;  ///< asset.copyright of the source, copied to the output
+  std::vector<GivenHull> given_hulls{};  ///< see mesh/proxies.hpp; none until take_proxies()
+  std::string copyright;                 ///< asset.copyright of the source, copied to the output
   /// The rest of the scene, which is not fractured (mesh/selection.hpp) and is written unchanged with the
-  /// fragments. Has the same frame, node_names and library. Null if there is none.
+  /// fragments. Has the same frame, node_names, instances and library. Null if there is none.
   std::shared_ptr<const Mesh> passed_through;
   Remarks remarks;  ///< what the importer changed (baked skins, …)
   std::vector<Dropped>

@@ -68,6 +68,7 @@ Mesh part_of(const Mesh& mesh, const std::vector<bool>& selected, bool wanted) {
   part.node_extras = mesh.node_extras;
   part.groups = mesh.groups;
   part.group_of_node = mesh.group_of_node;
+  part.instances = mesh.instances;
   part.triangle_color = gathered(mesh.triangle_color, triangles);
   part.library = mesh.library;
   part.copyright = mesh.copyright;
@@ -75,6 +76,16 @@ Mesh part_of(const Mesh& mesh, const std::vector<bool>& selected, bool wanted) {
 }
 
 }  // namespace
+
+void keep_triangles(Mesh& mesh, const std::vector<bool>& kept) {
+  Mesh part = part_of(mesh, kept, true);
+  mesh.positions = std::move(part.positions);
+  mesh.attributes = std::move(part.attributes);
+  mesh.triangles = std::move(part.triangles);
+  mesh.material = std::move(part.material);
+  mesh.node = std::move(part.node);
+  mesh.triangle_color = std::move(part.triangle_color);
+}
 
 Expected<void> restrict_to(Mesh& mesh, const PartSelection& selection) {
   if (selection == PartSelection{}) return {};

@@ -22,4 +22,8 @@ struct PartSelection {
 /// entry (extra.known lists the existing names, nearest first), or if the selection is empty. The mesh is then unchanged.
 Expected<void> restrict_to(Mesh& mesh, const PartSelection& selection);
 
+/// Removes all triangles for which `kept` is false, and wedges that no triangle uses any more. The others stay in order.
+/// `kept`: one per triangle.
+void keep_triangles(Mesh& mesh, const std::vector<bool>& kept);
+
 }  // namespace fracture

@@ -1,6 +1,7 @@
 #include "common/outputs/answer.hpp"
 
 #include "common/gltf/container.hpp"
+#include "common/mesh/frame.hpp"
 #include "common/mesh/gltf_component.hpp"
 #include "common/outputs/answer_document.hpp"
 
@@ -96,33 +97,41 @@ class Reader {
       const std::uint64_t at = number_at(view, "byteOffset", 0),
                           length = number_at(view, "byteLength", kHasToBeThere);
       if (at + length > buffer_.size()) throw Broken{"an image extends beyond its buffer"};
-      const std::string name = type.starts_with("image/") ? ascii_name(type.substr(6)) : "bin";
+      const std::string name = type.starts_with("image/") ? kept_name(type.substr(6)) : "bin";
       answer_.images.push_back({"." + (name == "jpeg" ? "jpg" : name), buffer_.subspan(at, length)});
     }
   }
 
-  /// Visits a node and its children. Parents only group their children: nodes of an answer with something to
-  /// draw are never rotated or scaled. An answer has two or three levels, and one more for each level of clusters (at most 8).
+  /// Visits a node and its children. Parents only group their children: only the nodes of instances are rotated
+  /// or scaled. Nodes of the source without a mesh are left out. An answer has two or three levels, and one more for each level
+  /// of clusters (at most 8).
   void walk(std::uint64_t index, Vec3f place, int depth = 0, bool carried = false) {
     constexpr int kDeepest = 64;
     const json& node = element(document_, "nodes", index);
     if (seen_.at(index) || depth > kDeepest) throw Broken{"its nodes are not a tree"};
     seen_[index] = true;
     if (!node.contains("mesh") && !node.contains("children")) return;  // an empty node of the source
-    for (const char* moved : {"rotation", "scale", "matrix"})
-      if (node.contains(moved)) throw Broken{"node " + std::to_string(index) + " has a " + moved};
-    if (const auto by = node.find("translation"); by != node.end())
+    const bool turned = node.contains("rotation") || node.contains("scale");
+    if (node.contains("matrix")) throw Broken{"node " + std::to_string(index) + " has a matrix"};
+    const auto by = node.find("translation");
+    if (by != node.end() && depth == 0)
+      answer_.offset = {by->at(0).get<double>(), by->at(1).get<double>(), by->at(2).get<double>()};
+    else if (by != node.end())
       place = {place.x + by->at(0).get<float>(), place.y + by->at(1).get<float>(),
                place.z + by->at(2).get<float>()};
     const bool fragment = is_fragment(node);
+    if (turned && !fragment) throw Broken{"node " + std::to_string(index) + " is turned or scaled"};
     if (node.contains("mesh")) {
       read_object(node, fragment, place);
       answer_.objects.back().carried = carried;
+      if (turned) answer_.objects.back().turned = similarity(node, place);
     }
     if (!node.contains("children")) return;
     for (const json& child : node.at("children")) {
       const std::uint64_t below = child.get<std::uint64_t>();
-      if (!fragment || has_sheets(below)) walk(below, place, depth + 1, fragment);
+      if (fragment && !has_sheets(below)) continue;
+      if (turned) throw Broken{"node " + std::to_string(index) + " is turned or scaled, and carries sheets"};
+      walk(below, place, depth + 1, fragment);
     }
   }
 
@@ -130,6 +139,20 @@ class Reader {
   bool has_sheets(std::uint64_t index) const {
     const json& node = element(document_, "nodes", index);
     return node.contains("mesh") && !node.value("name", "").starts_with("UCX_");
+  }
+
+  /// The transform of an instance's node, whose parents do not move it.
+  static Similarity similarity(const json& node, Vec3f place) {
+    Similarity at;
+    at.move = to_double(place);
+    if (const auto turn = node.find("rotation"); turn != node.end())
+      for (std::size_t k = 0; k < 4; ++k) at.rotation[k] = turn->at(k).get<float>();
+    if (const auto scale = node.find("scale"); scale != node.end()) {
+      at.scale = scale->at(0).get<float>();
+      if (scale->at(1).get<float>() != at.scale || scale->at(2).get<float>() != at.scale)
+        throw Broken{"an instance is not scaled uniformly"};
+    }
+    return at;
   }
 
   static bool is_fragment(const json& node) {
@@ -242,6 +265,10 @@ std::size_t Object::triangles() const {
   std::size_t sum = 0;
   for (const Primitive& primitive : primitives) sum += primitive.indices.size() / 3;
   return sum;
+}
+
+std::string Answer::offset_text() const {
+  return offset == Vec3d{} ? std::string() : "offset " + to_text(offset);
 }
 
 std::size_t Answer::vertices() const {

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "common/base/error.hpp"
+#include "common/base/similarity.hpp"
 #include "common/base/vec.hpp"
 
 namespace fracture::outputs {
@@ -69,10 +70,12 @@ struct Primitive {
 
 /// A fragment, the sheets that a fragment carries, or a part of the scene that was not fractured.
 struct Object {
-  std::string name;                 ///< unique among objects; ASCII letters, digits and _
+  std::string name;                 ///< unique among objects (kept_name())
   std::optional<std::uint64_t> id;  ///< for a fragment: extras.fracture.id; none: another object
   bool carried = false;             ///< sheets of the fragment before it
-  Vec3f place;                      ///< translation of the node, added to its positions
+  Vec3f place;                      ///< translation of the node below the root, added to its positions
+  std::optional<Similarity>
+      turned{};  ///< of the node of an instance: rotation, scale and translation; none: only `place`
   Floats positions, normals, colors;
   std::vector<Floats> uvs;
   std::vector<Primitive> primitives;
@@ -80,11 +83,20 @@ struct Object {
   bool manifold = false;
   Indices merge_corners, merge_vertices;
 
-  /// Position in the frame of the scene, metres. Exact, because the pivots were chosen for this (I2): points
-  /// that two fragments share have the same bits in both.
+  /// Position in the frame of the root node, metres. Exact, because the pivots were chosen for this (I2): points
+  /// that two fragments share have the same bits in both. Instances share no points; theirs are rounded.
   Vec3f position(std::size_t vertex) const {
     const Vec3f p = positions.vec3(vertex);
+    if (turned) return rounded(turned->point(to_double(p)));
     return {p.x + place.x, p.y + place.y, p.z + place.z};
+  }
+  /// Normal in the frame of the scene.
+  Vec3f normal(std::size_t vertex) const {
+    const Vec3f n = normals.vec3(vertex);
+    return turned ? rounded(rotated(turned->rotation, to_double(n))) : n;
+  }
+  static Vec3f rounded(const Vec3d& v) {
+    return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
   }
   std::size_t triangles() const;
 };
@@ -115,10 +127,14 @@ struct Image {
 
 struct Answer {
   std::string generator;  ///< "fracture, algorithm 14"
+  /// Translation of the root node, m. Not in Object::place, because floats are too coarse at that distance from the origin.
+  Vec3d offset{};
   std::vector<Object> objects;
   std::vector<Material> materials;
   std::vector<Image> images;
 
+  /// "offset (x, y, z)" with the fewest digits that read back as the same numbers; empty if the offset is zero.
+  std::string offset_text() const;
   std::size_t vertices() const;
   std::size_t triangles() const;
 };

@@ -27,15 +27,15 @@ inline constexpr std::uint64_t kHasToBeThere = ~std::uint64_t{0};  ///< fallback
 /// document[list][index]
 const nlohmann::json& element(const nlohmann::json& document, const char* list, std::uint64_t index);
 
-/// Makes names unique, with only letters, digits and _, whatever the answer contains, because they are
-/// written in lines of text.
+/// Makes names unique, without white space and control characters, whatever the answer contains, because they
+/// are written in lines of text.
 class Names {
  public:
   std::string add(std::string_view wanted) {
-    std::string name = ascii_name(wanted);
+    std::string name = kept_name(wanted);
     for (std::size_t k = 2; !taken_.insert(name).second; ++k) {
       const std::string suffix = "_" + std::to_string(k);
-      name = ascii_name(wanted, kMaxName - suffix.size()) + suffix;
+      name = kept_name(wanted, kMaxName - suffix.size()) + suffix;
     }
     return name;
   }

@@ -69,7 +69,10 @@ class ObjWriter {
       : answer_(answer), colors_(colors), out_(sink) {}
 
   bool operator()(const std::string& materials) {
-    out_.text("# ").text(answer_.generator).text("\n# metres, y up\nmtllib ").text(materials).text("\n");
+    out_.text("# ").text(answer_.generator).text("\n# metres, y up\n");
+    if (const std::string offset = answer_.offset_text(); !offset.empty())
+      out_.text("# ").text(offset).text("\n");
+    out_.text("mtllib ").text(materials).text("\n");
     for (const Object& object : answer_.objects) {
       if (!out_.good()) break;
       write(object);
@@ -130,7 +133,7 @@ class ObjWriter {
     Numbering<3> numbers;
     vn_.resize(object.normals.size());
     for (std::size_t vertex = 0; vertex < vn_.size(); ++vertex) {
-      const Vec3f n = object.normals.vec3(vertex);
+      const Vec3f n = object.normal(vertex);
       const auto [number, fresh] = numbers.of(std::bit_cast<Bits<3>>(n));
       vn_[vertex] = normals_ + number;
       if (fresh) out_.text("vn ").number(n.x).text(" ").number(n.y).text(" ").number(n.z).text("\n");

@@ -2,9 +2,11 @@
 // written piece by piece, and its bytes are the same each time. It contains geometry and appearance. Only GLB
 // has physics, bonds, hulls, clusters and statistics.
 //
-// Frame and unit are the GLB's: metres, y up. Fragments are where they were cut from the mesh. Their
-// positions are the floats of Object::position(). Decimal formats use the fewest digits that read back as the
-// same float. So each fragment is closed, and points that two fragments share have the same bits. The sheets
+// Frame and unit are those of the GLB's root node: metres, y up. Positions do not contain the translation of the
+// root, because floats are too coarse at that distance from the origin. OBJ and PLY state it in a comment
+// ("offset (x, y, z)"), and STL in its header, if it fits there. Fragments are where they were cut from the mesh.
+// Their positions are the floats of Object::position(). Decimal formats use the fewest digits that read back as
+// the same float. So each fragment is closed, and points that two fragments share have the same bits. The sheets
 // that a fragment carries follow it. Parts that were not fractured come after the fragments.
 //
 // The bytes depend only on the answer. A change that alters them must raise kAlgorithmVersion, as for

@@ -23,6 +23,8 @@ struct Columns {
 void write_head(Blocks& out, const Answer& answer, const Columns& columns) {
   out.text("ply\nformat binary_little_endian 1.0\ncomment ").text(answer.generator);
   out.text("\ncomment metres, y up\n");
+  if (const std::string offset = answer.offset_text(); !offset.empty())
+    out.text("comment ").text(offset).text("\n");
   std::int32_t fragment = 0;
   for (const Object& object : answer.objects)
     if (object.id)
@@ -58,7 +60,7 @@ void write_vertices(Blocks& out, const Object& object, const Columns& columns, V
     const Vec3f p = object.position(v);
     out.raw(p.x).raw(p.y).raw(p.z);
     if (columns.normals) {
-      const Vec3f n = object.normals.empty() ? Vec3f{} : object.normals.vec3(v);
+      const Vec3f n = object.normals.empty() ? Vec3f{} : object.normal(v);
       out.raw(n.x).raw(n.y).raw(n.z);
     }
     if (columns.uvs) {

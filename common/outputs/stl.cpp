@@ -21,7 +21,11 @@ bool write_stl(const Answer& answer, const Sink& sink) {
   Blocks out(sink);
   // Readers treat a file that begins with "solid" as text.
   std::string head = answer.generator.substr(0, 60) + "; metres, y up";
-  head.resize(80, ' ');
+  constexpr std::size_t kHead = 80;
+  if (const std::string offset = answer.offset_text();
+      !offset.empty() && head.size() + 2 + offset.size() <= kHead)
+    head += "; " + offset;
+  head.resize(kHead, ' ');
   out.text(head).raw(static_cast<std::uint32_t>(answer.triangles()));
   for (const Object& object : answer.objects)
     for (const Primitive& primitive : object.primitives) {

@@ -1,11 +1,15 @@
 #include "common/parameters/effects.hpp"
 
 #include <algorithm>
+#include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include "common/base/words.hpp"
+#include "common/mesh/mesh.hpp"
 #include "common/parameters/rows.hpp"
 
 namespace fracture {
@@ -49,6 +53,24 @@ Why needs_hulls(const Asked& a) {
 Why needs_parts(const Asked& a) {
   if (a.answer.report.solid.parts > 1) return {};
   return "the mesh has one part, so there are no contacts between parts.";
+}
+
+/// Fragments also have bonds with nodes that stay whole.
+Why needs_contacts(const Asked& a) {
+  const std::shared_ptr<const Mesh>& source = a.answer.set.source;
+  return source && source->passed_through ? Why{} : needs_parts(a);
+}
+
+Why instances(const Asked& a) {
+  if (a.fracture.parts == Parts::kApart)
+    return "with parts=apart, each fragment belongs to one part. Use parts=together.";
+  std::vector<std::uint32_t> meshes;
+  if (a.answer.set.source)
+    for (const MeshInstance& node : a.answer.set.source->instances)
+      if (node.mesh != kNoIndex) meshes.push_back(node.mesh);
+  std::sort(meshes.begin(), meshes.end());
+  if (std::adjacent_find(meshes.begin(), meshes.end()) != meshes.end()) return {};
+  return "no two nodes of the file place the same mesh, so there are no instances.";
 }
 
 Why grain(const Asked& a) {
@@ -150,8 +172,9 @@ constexpr Check kChecks[] = {
     {"mortar", mortar},
     {"tilt", tilt},
     {"parts", needs_parts},
-    {"contact_gap", needs_parts},
-    {"contact_strength", needs_parts},
+    {"instances", instances},
+    {"contact_gap", needs_contacts},
+    {"contact_strength", needs_contacts},
     {"gravity", gravity},
     {"broken", broken},
     {"local_sites", needs_hits},

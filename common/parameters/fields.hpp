@@ -9,7 +9,9 @@
 
 namespace fracture::parameter_fields {
 
-inline constexpr double kFar = 1e6;           ///< metres: the largest coordinate
+inline constexpr double kFar = 1e6;  ///< metres: the largest length
+inline constexpr double kFarPlace =
+    1e8;  ///< metres: the largest coordinate of a place in a file; planets have less
 inline constexpr double kLeastLength = 1e-6;  ///< metres
 /// Matrix rows or slice normals that are closer to linear dependence than this have no usable inverse.
 inline constexpr double kLeastConditioning = 1e-3;

@@ -9,6 +9,7 @@ constexpr GroupedParameter kMesh[] = {
     {"up", "up axis, z-up, orientation, rotate"},
     {"nodes", "objects, selection, only"},
     {"materials", "material slots, slots"},
+    {"proxies", "lod, levels of detail, collision meshes, ucx, colonly, proxy geometry"},
     {"repair", "fix, close holes, fill holes, watertight, manifold"},
     {"weld_tolerance", "merge vertices, weld, crack, seam"},
     {"sheets", "planes, panes, leaves, decals, cloth, cards, open surfaces"},
@@ -68,6 +69,7 @@ constexpr GroupedParameter kRough[] = {
 constexpr GroupedParameter kSizes[] = {
     {"fragments", "pieces, shards, chunks, count, number, amount, number of pieces"},
     {"parts", "separate parts, loose parts, islands"},
+    {"instances", "copies, duplicates, linked meshes, instancing, repeated objects"},
     {"min_volume", "smallest piece, crumbs, dust"},
     {"min_fraction", "smallest piece, crumbs, dust"},
     {"min_of_mean", "smallest piece, crumbs, dust"},

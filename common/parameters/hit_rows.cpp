@@ -11,6 +11,7 @@ namespace fracture {
 namespace {
 
 using parameter_fields::kFar;
+using parameter_fields::kFarPlace;
 using parameter_fields::kLeastLength;
 using parameter_fields::with_member;
 
@@ -76,10 +77,10 @@ std::vector<ParameterSpec> hit_parameter_rows() {
        .unit = "m",
        .min = 1,
        .max = kMostHits,
-       .low = -kFar,
-       .high = kFar,
+       .low = -kFarPlace,
+       .high = kFarPlace,
        .doc =
-           "Points where the mesh is hit, in the answer's coordinate frame. Each hit breaks only what is within its radius. Hits "
+           "Points where the mesh is hit, measured from the file's origin. Each hit breaks only what is within its radius. Hits "
            "are applied in order, and a later hit cuts the pieces of earlier ones. Use `local_point` for a hole or a chipped "
            "corner. Requires `local_radius`."},
       [](auto& r) -> auto& { return r.local_point; }));
@@ -90,9 +91,9 @@ std::vector<ParameterSpec> hit_parameter_rows() {
        .low = kLeastLength,
        .high = kFar,
        .doc =
-           "Radius of each hit: one number per hit, or one for all hits. Beyond 1.25 times the radius, nothing is cut. Requires "
-           "`local_point`. If cells are stretched, the hit breaks an ellipsoid, whose longest "
-           "half-axis is the radius."},
+           "Radius of each hit: one number per hit, or one for all hits. Beyond 1.25 times the radius, nothing is cut, and parts that "
+           "are farther away than the radius stay whole. If cells are stretched, the hit breaks an ellipsoid, whose longest half-axis "
+           "is the radius. Requires `local_point`."},
       [](auto& r) -> auto& { return r.local_radius; }));
   rows.push_back(with_member(
       {.name = "local_sites",
@@ -152,10 +153,10 @@ std::optional<Error> complete_hits(RequestParameters& r) {
     if (auto wrong = spread("local_sites", r.local_sites, points)) return wrong;
     const std::uint64_t sites = std::accumulate(r.local_sites.begin(), r.local_sites.end(), std::uint64_t{0});
     if (sites > kMostHitSites)
-      return bad_parameter("local_sites", "All hits together can add at most " +
+      return bad_parameter("local_sites", "All hits together can have at most " +
                                               std::to_string(kMostHitSites) +
-                                              " sites, but 'local_sites' adds " + std::to_string(sites) +
-                                              " sites. Lower 'local_sites'.");
+                                              " sites, but 'local_sites' gives them " +
+                                              std::to_string(sites) + ". Lower 'local_sites'.");
   }
   f.hits.clear();
   for (std::size_t k = 0; k < points; ++k)

@@ -27,9 +27,10 @@ std::vector<ParameterSpec> hull_parameter_rows() {
        .low = 1,
        .high = 1e6,
        .doc =
-           "If a fragment's hulls have more than this many times its volume, the fragment is divided into parts with one hull each, "
-           "at most `max_hulls`. So things can fly through a window frame or a ring. Not divided are curved shards, ragged chunks "
-           "with cuts, and fragments of more than 10,000 triangles. With a large value, no fragment is divided."},
+           "How much larger than a fragment its hulls may be, as a factor of the volume. A fragment with larger hulls is divided "
+           "into parts, each with one hull, up to `max_hulls` hulls. So things can fly through a window frame or a ring. Some "
+           "fragments are never divided: curved shards, ragged chunks with cuts, and those of more than 10,000 triangles. With a "
+           "large value, no fragment is divided."},
       [](auto& r) -> auto& { return r.fracture.hull_limits.excess; }));
   for (ParameterSpec& spec : rows)
     spec.matters = [](const RequestParameters& r) {

@@ -17,6 +17,7 @@
 #include "common/import/import_input.hpp"
 #include "common/materials/materials.hpp"
 #include "common/mesh/frame.hpp"
+#include "common/mesh/proxies.hpp"
 #include "common/mesh/selection.hpp"
 #include "common/parameters/selection.hpp"
 #include "common/parameters/spec.hpp"
@@ -47,6 +48,7 @@ struct Assignment {
 struct RequestParameters {
   FrameOptions frame;
   PartSelection parts;  ///< sorted, each entry once
+  Proxies proxies = Proxies::kHulls;
   SolidOptions solid;
   HollowOptions hollow;
   FractureParameters fracture;

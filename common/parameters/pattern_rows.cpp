@@ -5,6 +5,7 @@
 namespace fracture {
 
 using parameter_fields::kFar;
+using parameter_fields::kFarPlace;
 using parameter_fields::kLeastConditioning;
 using parameter_fields::kLeastLength;
 using parameter_fields::pattern_name;
@@ -18,10 +19,10 @@ std::vector<ParameterSpec> pattern_parameter_rows(std::uint32_t max_sites) {
        .unit = "m",
        .min = 1,
        .max = max_sites,
-       .low = -kFar,
-       .high = kFar,
+       .low = -kFarPlace,
+       .high = kFarPlace,
        .doc =
-           "Positions of the Voronoi sites, in the answer's coordinate frame (y up). The `points` pattern requires this parameter."}));
+           "Positions of the Voronoi sites, measured from the file's origin (y up). The `points` pattern requires this parameter."}));
   rows.push_back(with_pattern_member<&ImpactPattern::impacts, &RadialPattern::impacts,
                                      &BrickPattern::impacts>(
       {.name = "impacts",
@@ -29,10 +30,10 @@ std::vector<ParameterSpec> pattern_parameter_rows(std::uint32_t max_sites) {
        .unit = "m",
        .min = 1,
        .max = 64,
-       .low = -kFar,
-       .high = kFar,
+       .low = -kFarPlace,
+       .high = kFarPlace,
        .doc =
-           "Points where the mesh is hit, in the answer's coordinate frame. The whole mesh breaks, with the smallest pieces at "
+           "Points where the mesh is hit, measured from the file's origin. The whole mesh breaks, with the smallest pieces at "
            "these points; to break only the area around a hit, use `local_point`. `radial`: the first point is the centre of the "
            "rings and spokes. `brick`: bricks at a point are crushed, and the bricks around it break in half; without points, no "
            "bricks break. A point outside the mesh and farther from its surface than a tenth of the mesh's longest side is moved "

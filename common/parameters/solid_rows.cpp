@@ -149,6 +149,17 @@ std::vector<ParameterSpec> solid_parameter_rows() {
            "Break only triangles with these materials (comma-separated names, patterns such as `Glass*`, or indices); all other "
            "triangles stay whole."},
       [](auto& r) -> auto& { return r.parts.materials; }));
+  ParameterSpec proxies = with_member(
+      {.name = "proxies",
+       .type = Type::kChoice,
+       .choices = {"hulls", "geometry"},
+       .doc =
+           "Treatment of nodes that stand for another node of the mesh, by their names. `hulls`: of levels of detail, only `Crate_LOD0` "
+           "is broken. Collision geometry (`UCX_Crate_00`, `Crate-col`) is not broken; with `intact=true`, the unbroken mesh has "
+           "it as colliders. `geometry`: all nodes are broken."},
+      [](auto& r) -> auto& { return r.proxies; });
+  proxies.matters = [](const RequestParameters& r) { return r.proxies != Proxies::kHulls; };
+  add(std::move(proxies));
   return rows;
 }
 

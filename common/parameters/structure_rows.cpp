@@ -8,6 +8,7 @@ namespace fracture {
 namespace {
 
 using parameter_fields::kFar;
+using parameter_fields::kFarPlace;
 using parameter_fields::kLeastLength;
 using parameter_fields::with_member;
 
@@ -58,9 +59,26 @@ ParameterSpec parts_row() {
   return spec;
 }
 
+ParameterSpec instances_row() {
+  ParameterSpec spec = with_member(
+      {.name = "instances",
+       .type = Type::kChoice,
+       .choices = {"keep", "separate"},
+       .doc =
+           "Nodes of a glTF file that place the same mesh by rotation, translation and uniform scale. `keep`: an instance no "
+           "larger than the mean fragment stays whole as one fragment, unless it is joined to parts that it touches. The answer "
+           "then contains the mesh once, and a rotated and scaled node for each such instance. A hit cuts an instance like any "
+           "other fragment; its pieces have their own meshes. `separate`: instances are parts like others, and each fragment has "
+           "its own mesh. With `parts=apart`, `pivot=source` and `dual=barycenter`, each fragment has its own mesh, too."},
+      [](auto& r) -> auto& { return r.fracture.instances; });
+  spec.matters = [](const RequestParameters& r) { return r.fracture.instances != InstanceUse::kKeep; };
+  return spec;
+}
+
 void add_size_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites) {
   rows.push_back(fragments_row(max_sites));
   rows.push_back(parts_row());
+  rows.push_back(instances_row());
   const auto size = [&](const char* name, double most, const char* unit, const char* doc, auto member) {
     rows.push_back(with_member(
         {.name = name, .type = Type::kNumber, .unit = unit, .low = 0, .high = most, .doc = doc}, member));
@@ -150,8 +168,8 @@ ParameterSpec box_row(const char* name, const char* doc) {
                      .unit = "m",
                      .min = 2,
                      .max = 2,
-                     .low = -kFar,
-                     .high = kFar,
+                     .low = -kFarPlace,
+                     .high = kFarPlace,
                      .doc = doc};
   spec.check = [](const ParameterValue& value) -> std::optional<std::string> {
     const auto& corners = std::get<std::vector<Vec3d>>(value);
@@ -168,8 +186,8 @@ void add_keep_rows(std::vector<ParameterSpec>& rows) {
       {.name = "keep_center",
        .type = Type::kVector,
        .unit = "m",
-       .low = -kFar,
-       .high = kFar,
+       .low = -kFarPlace,
+       .high = kFarPlace,
        .doc =
            "Centre of a sphere in which nothing is cut. Outside it, the mesh breaks as usual, and the sphere is a cut made of 92 "
            "flat facets. Requires `keep_radius`."},
@@ -204,8 +222,8 @@ void add_anchor_rows(std::vector<ParameterSpec>& rows) {
       .type = Type::kVectors,
       .min = 2,
       .max = 2,
-      .low = -kFar,
-      .high = kFar,
+      .low = -kFarPlace,
+      .high = kFarPlace,
       .doc =
           "A point on a plane, and the plane's normal. Fragments that touch the plane or extend behind it are anchored, so they do "
           "not fall. `0,0,0;0,1,0` is the ground at height 0."};
@@ -239,8 +257,8 @@ void add_anchor_rows(std::vector<ParameterSpec>& rows) {
        .unit = "m",
        .min = 1,
        .max = 1000,
-       .low = -kFar,
-       .high = kFar,
+       .low = -kFarPlace,
+       .high = kFarPlace,
        .doc = "Fragments that contain or touch one of these points are anchored."},
       [](auto& r) -> auto& { return r.fracture.anchors.points; }));
   const std::size_t support = rows.size();

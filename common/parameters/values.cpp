@@ -7,18 +7,12 @@
 #include <type_traits>
 #include <utility>
 
+#include "common/base/utf8.hpp"
 #include "common/parameters/assignments.hpp"
 #include "common/parameters/groups.hpp"
 
 namespace fracture {
 namespace {
-
-/// The canonical parameters are JSON, which must be UTF-8. For other text, the lenient encodings differ from each other.
-bool is_utf8(const std::string& text) {
-  const nlohmann::json value(text);
-  using Handler = nlohmann::json::error_handler_t;
-  return value.dump(-1, ' ', false, Handler::ignore) == value.dump(-1, ' ', false, Handler::replace);
-}
 
 bool is_color(const std::string& text) {
   const auto is_digit = [](char c) {

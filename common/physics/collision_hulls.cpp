@@ -94,7 +94,7 @@ CollisionHulls make_collision_hulls(const FragmentSet& set, CollisionHulls known
     for (std::size_t k = begin; k < end; ++k) {
       const Fragment& f = set.fragments[k];
       FragmentHulls& hulls = out.of_fragment[k];
-      if (f.positions.empty()) continue;
+      if (f.positions.empty() || hulls.shared) continue;
       if (hulls.hulls.empty()) add_bodies(set, f, maker, hulls, execution);
       hulls.excess = f.mass.volume > 0 ? hulls.volume / f.mass.volume : 0;
       if (hulls.excess > limits.excess && limits.count > 1) {

@@ -45,6 +45,8 @@ struct FragmentHulls {
   double excess = 0;
   /// For hull_trim.hpp: whether the hulls have been compared with contacts and trimmed if necessary.
   bool seen_contacts = false;
+  bool shared =
+      false;  ///< hulls of an instance's shape (pipeline/instanced_bodies.hpp), which are not divided again
 };
 
 struct HullReport {
@@ -74,7 +76,7 @@ struct HullLimits {
   std::uint32_t count = 4;  ///< at least 1
 };
 
-/// Makes the hulls of all fragments with a shape, in their local frames. Hulls in `known`, which may be empty, are kept;
+/// Makes the hulls of all fragments with a shape, in their local frames. Hulls in `known`, which may be empty, are kept, and those that are shared are not changed;
 /// other fragments get one hull for each body. If these exceed `limits.excess`, the fragment gets as many as its openings
 /// need, at most `limits.count`. The set's lattice step tells how far corners were rounded. Throws Interrupted.
 CollisionHulls make_collision_hulls(const FragmentSet& set, CollisionHulls known, const HullLimits& limits,

@@ -6,6 +6,7 @@
 
 #include "common/base/pacer.hpp"
 #include "common/base/random.hpp"
+#include "common/base/words.hpp"
 #include "common/fragment/make_fragments.hpp"
 #include "common/physics/hull_trim.hpp"
 #include "common/pipeline/broken_solid.hpp"
@@ -17,31 +18,6 @@
 
 namespace fracture {
 namespace {
-
-/// Limit for pieces that hits break off, as a share of the limit for all pieces relative to the mean: such pieces are
-/// small compared with the mean, but must remain.
-constexpr double kShareBesideHits = 0.01;
-
-SizeLimits limits_of_hits(const FractureParameters& parameters, double volume) {
-  const SizeLimits& all = parameters.size;
-  SizeLimits limits;
-  limits.min_volume =
-      std::max({all.min_volume, all.min_fraction * volume,
-                kShareBesideHits * all.min_of_mean * volume / std::max(1u, parameters.sites)});
-  return limits;
-}
-
-/// The region to keep, with a margin that contains the polyhedron by which it was cut out (kept_space.hpp).
-Region around(Region region, const Box& box) {
-  if (region.shape == Region::Shape::kSphere) {
-    region.radius *= kSphereReach;
-    return region;
-  }
-  const double margin = 0x1p-16 * box.longest_side();
-  region.box.min = region.box.min - Vec3d{margin, margin, margin};
-  region.box.max = region.box.max + Vec3d{margin, margin, margin};
-  return region;
-}
 
 /// A hit on the parts of one set. The cells and the parameters are those of the set.
 class Hit {
@@ -56,16 +32,18 @@ class Hit {
         execution_(execution),
         pacer_(execution) {}
 
-  Expected<void> run() {
-    if (auto cut = cut_fragments(); !cut) return cut;
-    if (touched_.empty()) return {};
+  /// Returns whether it cuts anything.
+  Expected<bool> run() {
+    if (auto cut = cut_fragments(); !cut) return tl::unexpected(std::move(cut.error()));
+    if (touched_.empty()) return false;
+    allow_pieces();
     trim_hulls();
     number_fragments();
     name_pieces();
     divide_bonds();
     count();
     replace_fragments();
-    return {};
+    return true;
   }
 
  private:
@@ -76,16 +54,26 @@ class Hit {
     return parts_.empty() || std::binary_search(parts_.begin(), parts_.end(), part);
   }
 
+  bool is_hit(const Fragment& f) const {
+    return is_hit_.empty() || is_hit_[f.part] ||
+           std::any_of(f.part_cells.begin(), f.part_cells.end(),
+                       [&](const PartCell& cell) { return is_hit_[cell.part] != 0; });
+  }
+
   Expected<void> cut_fragments() {
+    if (solid_.parts.size() > 1)
+      is_hit_ = parts_in_ball(solid_, parameters_.hits[broken_.hits], cells_.reach, execution_);
     std::vector<std::uint32_t> near;
     for (std::uint32_t k = 0; k < size_before(); ++k) {
       pacer_.step();
-      if (before(k).box.intersects(cells_.reach) && is_in_set(before(k).fragment.part)) near.push_back(k);
+      if (before(k).box.intersects(cells_.reach) && is_in_set(before(k).fragment.part) &&
+          is_hit(before(k).fragment))
+        near.push_back(k);
     }
     const VoronoiDiagram diagram(cells_.dual, cells_.image, cells_.map, execution_);
     const SizeLimits limits = limits_of_hits(parameters_, solid_.report.volume);
     const HitOnFragments hit{solid_, cells_, diagram, parameters_, limits};
-    const Allowance::Temporary temporary(execution_.allowance);  // only the pieces are kept
+    const Allowance::Temporary temporary(execution_.allowance);  // only the pieces are kept (allow_pieces)
     std::vector<std::optional<Expected<std::optional<PiecesOfFragment>>>> results(near.size());
     if (near.size() == 1) {
       results[0] = cut_again(hit, before(near[0]), execution_);
@@ -106,6 +94,17 @@ class Hit {
       made_.push_back(std::move(*result));
     }
     return {};
+  }
+
+  /// Counts what the pieces add to the answer. Everything else that was made for them is gone.
+  void allow_pieces() {
+    std::uint64_t before_cuts = 0, now = 0;
+    for (std::size_t t = 0; t < touched_.size(); ++t) {
+      pacer_.step(1 + made(t).pieces.size());
+      before_cuts += before(touched_[t]).fragment.indices.size() / 3;
+      for (const KeptFragment& piece : made(t).pieces) now += piece.fragment.indices.size() / 3;
+    }
+    if (now > before_cuts) execution_.made(Product::kFragmentTriangles, now - before_cuts);
   }
 
   /// Hulls of unchanged fragments were trimmed before.
@@ -341,14 +340,19 @@ class Hit {
   BrokenSolid& broken_;
   const Execution& execution_;
   Pacer pacer_;
+  std::vector<char> is_hit_;                           // per part; empty: the only part is hit
   std::vector<std::uint32_t> touched_;                 // numbers of the fragments that are cut, ascending
   std::vector<std::optional<PiecesOfFragment>> made_;  // for each of them
   std::vector<std::uint32_t> first_;  // per fragment before: its number or that of its first piece
 };
 
-/// Cuts the fragments of one set. Adds remarks. Returns whether the hit has cells there.
-Expected<bool> hit_set(const Solid& solid, const PartSet& set, Remarks& remarks, BrokenSolid& broken,
-                       const Execution& execution) {
+struct Effect {
+  bool has_cells = false, cuts = false;
+};
+
+/// Cuts the fragments of one set. Adds remarks.
+Expected<Effect> hit_set(const Solid& solid, const PartSet& set, Remarks& remarks, BrokenSolid& broken,
+                         const Execution& execution) {
   const FractureParameters& parameters = set.parameters;
   Expected<HitCells> cells =
       cells_of_hit(set.solid_in(solid), parameters, parameters.hits, broken.hits, remarks, execution);
@@ -357,32 +361,35 @@ Expected<bool> hit_set(const Solid& solid, const PartSet& set, Remarks& remarks,
   figures.given += cells->sites + cells->duplicates;
   figures.used += cells->sites;
   figures.duplicates_merged += cells->duplicates;
-  if (cells->empty()) return false;
-  if (parameters.keep) {
-    FractureParameters spares = parameters;
-    spares.keep = around(*parameters.keep, solid.box);
-    const SeenSolid seen(solid, cells->map, execution);
-    const VoronoiDiagram diagram(cells->dual, cells->image, cells->map, execution);
-    for (const SiteId s : cells_near_kept(seen, diagram, spares, execution)) cells->groups[s] = 0;
-  }
-  if (auto done = Hit(solid, set, *cells, broken, execution).run(); !done)
-    return tl::unexpected(std::move(done.error()));
-  return true;
+  if (cells->empty()) return Effect{};
+  for (const SiteId s : cells_to_spare(solid, *cells, parameters, execution)) cells->groups[s] = 0;
+  const Expected<bool> cuts = Hit(solid, set, *cells, broken, execution).run();
+  if (!cuts) return tl::unexpected(cuts.error());
+  return Effect{true, *cuts};
 }
 
 }  // namespace
 
 Expected<void> apply_hits(const Solid& solid, const FractureParameters& parameters, BrokenSolid& broken,
                           const Execution& execution) {
+  // make_diagram() checks the hits that it knows. A stored answer does not know the new ones.
+  if (auto few = check_sites_of_hits(parameters, parameters.hits, broken.of_pattern); !few) return few;
   for (; broken.hits < parameters.hits.size(); ++broken.hits) {
     Remarks remarks;
-    bool any = false;
+    Effect all;
     for (const PartSet& set : sets_near_hit(solid, parameters, parameters.hits[broken.hits], execution)) {
-      const Expected<bool> done = hit_set(solid, set, remarks, broken, execution);
+      const Expected<Effect> done = hit_set(solid, set, remarks, broken, execution);
       if (!done) return tl::unexpected(done.error());
-      any = any || *done;
+      all.has_cells = all.has_cells || done->has_cells;
+      all.cuts = all.cuts || done->cuts;
     }
-    if (any) remarks.warnings.clear();  // they say that the hit has no room among the parts of some set
+    if (all.has_cells)
+      remarks.warnings.clear();  // they say that the hit has no room among the parts of some set
+    if (all.has_cells && !all.cuts)
+      remarks.warn(
+          "Hit " + grouped(broken.hits + 1) +
+          " cuts nothing, because each fragment there lies in one of its cells, or in the region to keep. "
+          "Give a larger 'local_sites', or move 'local_point'.");
     broken.notes.remarks.add(remarks);
   }
   return {};

@@ -4,6 +4,8 @@
 
 #include "common/base/pacer.hpp"
 #include "common/physics/hull_trim.hpp"
+#include "common/pipeline/instanced_bodies.hpp"
+#include "common/pipeline/kept_instances.hpp"
 
 namespace fracture {
 
@@ -22,6 +24,11 @@ FractureParameters before_first_hit(const Solid& solid, const FractureParameters
   before.max_volume = before.drop_above = 0;
   before.dual = Dual::kCircumcenter;
   before.parts = Parts::kApart;
+  if (may_keep_instances(solid, parameters)) {
+    before.parts = Parts::kInstances;
+    before.sites =
+        wanted_fragments(parameters);  // decides which instances are small; the pattern has a point
+  }
   return before;
 }
 
@@ -34,11 +41,17 @@ Expected<BrokenSolid> break_solid(const Solid& solid, const Diagram& diagram,
   std::vector<KeptFragment> kept;
   Expected<CutCells> cut = cut_cells(solid, diagram, before, execution, &kept);
   if (!cut) return tl::unexpected(std::move(cut.error()));
+  Expected<InstancedBodies> instances =
+      find_instanced_bodies(cut->set.fragments, solid, parameters, execution);
+  if (!instances) return tl::unexpected(std::move(instances.error()));
   if (before.hulls == Hulls::kConvex) {
+    share_hulls(*instances, cut->set.fragments, cut->hulls, execution);
     cut->hulls = make_collision_hulls(cut->set, std::move(cut->hulls), before.hull_limits, execution);
     trim_at_contacts(cut->set, solid, cut->hulls, execution);
     cut->hulls_are_final = true;
+    separate_trimmed(*instances, cut->hulls);
   }
+  separate_carriers(*instances, cut->set.fragments);
   if (parameters.keep && !before.keep) {  // all of the solid is kept until a hit breaks something off
     const bool meets = box_of(*parameters.keep).intersects(solid.box);
     cut->kept = meets ? 1 : 0;
@@ -51,6 +64,7 @@ Expected<BrokenSolid> break_solid(const Solid& solid, const Diagram& diagram,
   for (std::size_t k = 0; k < kept.size(); ++k) {
     pacer.step(16);
     KeptFragment& fragment = kept[k];
+    if (!instances->of_fragment.empty()) fragment.instance = instances->of_fragment[k];
     fragment.fragment = std::move(cut->set.fragments[k]);
     if (!cut->hulls.of_fragment.empty()) fragment.hulls = std::move(cut->hulls.of_fragment[k]);
     c.volume_file += fragment.volume_file;
@@ -60,19 +74,37 @@ Expected<BrokenSolid> break_solid(const Solid& solid, const Diagram& diagram,
   cut->set.fragments.clear();
   cut->hulls.of_fragment.clear();
   broken.cut = std::move(*cut);
+  instances->of_fragment.clear();
+  if (!instances->bodies.empty())
+    broken.instances = std::make_shared<const InstancedBodies>(std::move(*instances));
   broken.notes = notes_of(diagram);
   broken.points = std::make_shared<const std::vector<Vec3d>>(diagram.tetrahedralization.points);
   broken.map = diagram.map;
+  broken.of_pattern = diagram.of_pattern;
   broken.with_hulls = before.hulls == Hulls::kConvex;
   if (auto hit = apply_hits(solid, parameters, broken, execution); !hit)
     return tl::unexpected(std::move(hit.error()));
   return broken;
 }
 
+std::vector<std::uint32_t> instances_of(const BrokenSolid& broken, const Execution& execution) {
+  std::vector<std::uint32_t> of_fragment;
+  if (!broken.instances) return of_fragment;
+  of_fragment.reserve(broken.fragments.size());
+  Pacer pacer(execution);
+  for (const SharedFragment& kept : broken.fragments) {
+    pacer.step();
+    of_fragment.push_back(kept->instance);
+  }
+  return of_fragment;
+}
+
 Expected<FracturedSolid> complete(const Solid& solid, const BrokenSolid& broken,
                                   const FractureParameters& parameters, const Execution& execution) {
   CutCells cut = broken.cut;
   Pacer pacer(execution);
+  cut.instances = broken.instances ? *broken.instances : InstancedBodies{};
+  cut.instances->of_fragment = instances_of(broken, execution);
   cut.set.fragments.reserve(broken.fragments.size());
   for (const SharedFragment& kept : broken.fragments) {
     pacer.step(8 + kept->fragment.indices.size() / 64);

@@ -12,6 +12,21 @@
 #include "common/sites/part_shares.hpp"
 
 namespace fracture {
+namespace {
+
+/// The region to keep, with a margin that contains the polyhedron by which it was cut out (kept_space.hpp).
+Region around(Region region, const Box& box) {
+  if (region.shape == Region::Shape::kSphere) {
+    region.radius *= kSphereReach;
+    return region;
+  }
+  const double margin = 0x1p-16 * box.longest_side();
+  region.box.min = region.box.min - Vec3d{margin, margin, margin};
+  region.box.max = region.box.max + Vec3d{margin, margin, margin};
+  return region;
+}
+
+}  // namespace
 
 std::vector<std::uint32_t> groups_of_sites(const Tetrahedralization& t,
                                            const std::vector<std::uint32_t>& groups_of_input,
@@ -73,6 +88,16 @@ std::vector<SiteId> cells_near_kept(const SeenSolid& seen, const VoronoiDiagram&
   if (parameters.roughness.amplitude > 0)
     movements = movements_of_cuts(seen.original(), parameters.roughness, diagram.map());
   return cells_meeting(*parameters.keep, diagram, seen.seen().box, execution, movements);
+}
+
+std::vector<SiteId> cells_to_spare(const Solid& solid, const HitCells& cells,
+                                   const FractureParameters& parameters, const Execution& execution) {
+  if (!parameters.keep) return {};
+  FractureParameters spares = parameters;
+  spares.keep = around(*parameters.keep, solid.box);
+  const SeenSolid seen(solid, cells.map, execution);
+  const VoronoiDiagram diagram(cells.dual, cells.image, cells.map, execution);
+  return cells_near_kept(seen, diagram, spares, execution);
 }
 
 Restraints flat_near_kept(const SeenSolid& seen, const VoronoiDiagram& diagram,

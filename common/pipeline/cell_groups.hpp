@@ -29,6 +29,11 @@ std::vector<SiteId> kept_cells(const SeenSolid& seen, const VoronoiDiagram& diag
 std::vector<SiteId> cells_near_kept(const SeenSolid& seen, const VoronoiDiagram& diagram,
                                     const FractureParameters& parameters, const Execution& execution);
 
+/// Returns the cells of a hit that meet the region to keep, or might with their rough cuts. `parameters`: those of the hit.
+/// Throws Interrupted.
+std::vector<SiteId> cells_to_spare(const Solid& solid, const HitCells& cells,
+                                   const FractureParameters& parameters, const Execution& execution);
+
 /// Returns flat cuts for the kept cells and for cells whose rough cuts might enter the region. Empty if cuts
 /// are flat anyway. Throws Interrupted.
 Restraints flat_near_kept(const SeenSolid& seen, const VoronoiDiagram& diagram,

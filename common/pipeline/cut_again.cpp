@@ -150,7 +150,20 @@ void carry_sheets_on(const HitOnFragments& hit, const Fragment& from, Solid& sol
   out.certificate.sheet_area_out = set.certificate.sheet_area_out;
 }
 
+/// Limit for pieces that hits break off, as a share of the limit for all pieces relative to the mean: such pieces are
+/// small compared with the mean, but must remain.
+constexpr double kShareBesideHits = 0.01;
+
 }  // namespace
+
+SizeLimits limits_of_hits(const FractureParameters& parameters, double volume) {
+  const SizeLimits& all = parameters.size;
+  SizeLimits limits;
+  limits.min_volume =
+      std::max({all.min_volume, all.min_fraction * volume,
+                kShareBesideHits * all.min_of_mean * volume / std::max(1u, parameters.sites)});
+  return limits;
+}
 
 Expected<std::optional<PiecesOfFragment>> cut_again(const HitOnFragments& hit, const KeptFragment& kept,
                                                     const Execution& execution) {

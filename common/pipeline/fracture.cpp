@@ -17,6 +17,7 @@
 #include "common/pipeline/cell_groups.hpp"
 #include "common/pipeline/enough_sites.hpp"
 #include "common/pipeline/fracture_steps.hpp"
+#include "common/pipeline/instanced_bodies.hpp"
 #include "common/pipeline/intact.hpp"
 #include "common/pipeline/keep_sites.hpp"
 #include "common/pipeline/lloyd.hpp"
@@ -66,7 +67,8 @@ Expected<Diagram> make_diagram(const Solid& solid, const FractureParameters& giv
     if (!parameters.assigned.empty()) {
       Expected<Diagram> of_sets = diagram_of_sets(solid, parameters, execution);
       if (!of_sets) return of_sets;
-      if (auto few = check_sites_of_hits(given, given.hits, of_sets->sites.size()); !few)
+      of_sets->of_pattern = of_sets->sites.size();
+      if (auto few = check_sites_of_hits(given, given.hits, of_sets->of_pattern); !few)
         return tl::unexpected(few.error());
       return of_sets;
     }
@@ -97,7 +99,8 @@ Expected<Diagram> make_diagram(const Solid& solid, const FractureParameters& giv
       return fail(ErrorCode::kBadParameter,
                   "'max_volume' divides cells, but pieces of this pattern have several cells. Leave it out.",
                   "max_volume");
-    if (auto few = check_sites_of_hits(given, given.hits, plan->points.size()); !few)
+    diagram.of_pattern = plan->points.size();
+    if (auto few = check_sites_of_hits(given, given.hits, diagram.of_pattern); !few)
       return tl::unexpected(few.error());
     if (parameters.keep && parameters.dual == Dual::kCircumcenter)
       add_keep_sites(KeptSpace(*parameters.keep, seen), seen,
@@ -116,7 +119,7 @@ Expected<Diagram> make_diagram(const Solid& solid, const FractureParameters& giv
     diagram.impacts.assign(impacts.begin(), impacts.end());
     diagram.tetrahedralization = std::move(*t);
     if (parameters.max_volume > 0) {
-      Expected<SplitFigures> split = split_large(seen, diagram, given, execution);
+      Expected<SplitFigures> split = split_large(seen, diagram, parameters, execution);
       if (!split) return tl::unexpected(split.error());
       diagram.split = *split;
     }
@@ -237,16 +240,30 @@ Expected<FracturedSolid> complete(const Solid& solid, const SiteNotes& sites,
   set.weighed_volume = set.certificate.volume_once;
   if (promise == Promise::kPartition && !cut.whole && cut.touch_across)
     add_contact_bonds(set, solid, cells, parameters.contact_strength, execution);
+  if (promise == Promise::kPartition && !cut.whole && solid.scenery) {
+    std::vector<const Fragment*> fragments;
+    for (const Fragment& f : set.fragments) fragments.push_back(&f);
+    out.whole_bonds = find_whole_bonds(solid, cells, set.lattice_step, parameters.contact_strength, fragments,
+                                       {}, execution);
+  }
   std::vector<std::string> warnings;
   if (!parameters.assigned.empty()) {
     const PartChoice choice = choose_assigned(solid, parameters, execution);
-    weigh_assigned(solid, parameters, choice, together, set, execution);
+    weigh_assigned(solid, parameters, choice, together, set, out.whole_bonds, execution);
     warnings = warnings_of_assigned(solid, parameters, choice);
   }
   out.hierarchy = make_hierarchy(set, parameters.levels, execution);
   if (parameters.anchors.any())
     out.anchored = find_anchored(set, parameters.anchors, solid.box.longest_side(), execution);
+  if (cut.instances) {
+    out.instances = std::move(*cut.instances);
+  } else {
+    Expected<InstancedBodies> instances = find_instanced_bodies(set.fragments, solid, parameters, execution);
+    if (!instances) return tl::unexpected(std::move(instances.error()));
+    out.instances = std::move(*instances);
+  }
   if (parameters.hulls == Hulls::kConvex) {
+    if (!cut.hulls_are_final) share_hulls(out.instances, set.fragments, cut.hulls, execution);
     out.hulls = cut.hulls_are_final
                     ? std::move(cut.hulls)
                     : make_collision_hulls(set, std::move(cut.hulls), parameters.hull_limits, execution);
@@ -255,9 +272,11 @@ Expected<FracturedSolid> complete(const Solid& solid, const SiteNotes& sites,
                          : bring_to_rest(set, out.hulls,
                                          cells_of_bodies(parameters, cells.map, set.certificate.islands),
                                          rest_tolerance(solid), parameters.filters, execution);
+    separate_trimmed(out.instances, out.hulls);
     if (const Verdict verdict = judge_rest(out.rest.value(), parameters.filters); !verdict.sound())
       return tl::unexpected(unsound(verdict, set.certificate));
   }
+  separate_carriers(out.instances, set.fragments);
   if (parameters.intact) {
     Expected<IntactSolid> intact = make_intact(solid, parameters, execution);
     if (!intact) return tl::unexpected(intact.error());
@@ -269,7 +288,11 @@ Expected<FracturedSolid> complete(const Solid& solid, const SiteNotes& sites,
   out.point_of_site = sites.point_of_site;
   out.report = make_report(solid, sites, reported_parameters(parameters), cut, anchored, out.hulls.report(),
                            out.rest, set, execution);
+  out.report.instances =
+      cut.whole ? cut.whole->instances : count_instances(out.instances, out.instances.of_fragment);
   for (std::string& warning : warnings) out.report.remarks.warn(std::move(warning));
+  if (out.intact)
+    for (const std::string& warning : out.intact->warnings) out.report.remarks.warn(warning);
   execution.poll();
   return out;
 }

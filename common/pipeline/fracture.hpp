@@ -38,6 +38,16 @@ enum class Hulls { kNone, kConvex };
 enum class Parts {
   kTogether,  ///< pieces of several parts can become one fragment (pipeline/part_contacts.hpp)
   kApart,     ///< each fragment belongs to one part
+  /// Each fragment belongs to one part, or to one instance that stays whole. For LocalRest::kWhole before the first hit, not
+  /// for requests.
+  kInstances,
+};
+
+/// How instances of a mesh that need not be cut are treated (solid/instances.hpp).
+enum class InstanceUse {
+  kKeep,      ///< each is one fragment, and the answer writes their shape once (pipeline/kept_instances.hpp)
+  kSeparate,  ///< they are parts like others
+  kAll,  ///< each is one fragment, whatever its size; for sets of parts (pipeline/part_sets.hpp), not for requests
 };
 
 /// Parameters of the cuts and of the result. They concern only the geometry.
@@ -60,7 +70,8 @@ struct FractureParameters : SiteParameters {
   Anchors anchors;                  ///< fragments that touch these are marked
   std::vector<LocalImpact> hits{};  ///< in order; each one hits the result of those before it
   LocalRest rest = LocalRest::kWhole;
-  Parts parts = Parts::kTogether;  ///< needs Solid::contacts
+  Parts parts = Parts::kTogether;              ///< needs Solid::contacts
+  InstanceUse instances = InstanceUse::kKeep;  ///< needs Solid::instances; not with Parts::kApart
   /// Strength of bonds across parts, as a multiple of the material's; >= 0. 0: no such bonds. They need Solid::contacts.
   double contact_strength = 1;
   /// Parts that break in another way (pipeline/part_sets.hpp). The number of fragments and the size limits hold for the whole.
@@ -81,6 +92,8 @@ struct Diagram {
   /// The impacts of the pattern, on the solid (sites/request_places.hpp). Empty: it has none.
   std::vector<Vec3d> impacts{};
   double clearance = 0;  ///< SitePlan::clearance
+  std::uint64_t of_pattern =
+      0;  ///< number of sites that count towards most_sites together with those of hits
   /// If several sets of parts break in different ways (pipeline/part_sets.hpp): the diagram of each set. This diagram then has
   /// the sites of all of them, but no tetrahedra, and its map only has the frames of parts.
   std::vector<Diagram> sets{};

@@ -56,11 +56,14 @@ struct CutCells {
   bool touch_across = true;  ///< false if no two fragments touch across parts
   /// Whether make_collision_hulls() has made `hulls`. It would divide some of them again.
   bool hulls_are_final = false;
+  /// The whole instances among the fragments (instanced_bodies.hpp), if they were looked for already.
+  std::optional<InstancedBodies> instances{};
   /// If the set is only part of a result (only a delta): statistics of all fragments.
   struct Whole {
     std::vector<double> volumes;  ///< m³, ascending
     std::uint64_t triangles = 0;
     HullReport hulls{};
+    std::optional<InstanceFigures> instances{};
     std::optional<Rest> rest{};  ///< its filters are those of the fragments of the set
   };
   std::optional<Whole> whole{};

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "common/physics/collision_hulls.hpp"
+#include "common/pipeline/given_colliders.hpp"
 #include "common/pipeline/overlaps.hpp"
 #include "common/pipeline/part_sets.hpp"
 
@@ -28,12 +29,15 @@ Expected<IntactSolid> make_intact(const Solid& solid, const FractureParameters& 
   count_overlaps_once(solid, together, set, execution);
   if (!parameters.assigned.empty())
     weigh_assigned(solid, parameters, choose_assigned(solid, parameters, execution), together, set,
-                   execution);
+                   made->whole_bonds, execution);
   // Static colliders never collide with each other, so their hulls need no rest.
-  CollisionHulls hulls;
+  IntactSolid intact;
   if (parameters.hulls == Hulls::kConvex)
-    hulls = make_collision_hulls(set, {}, parameters.hull_limits, execution);
-  return IntactSolid{std::move(set.fragments), std::move(hulls)};
+    intact.hulls = make_collision_hulls(set, {}, parameters.hull_limits, execution);
+  intact.parts = std::move(set.fragments);
+  if (parameters.hulls == Hulls::kConvex)
+    use_given_hulls(solid, parameters.hull_limits.excess, intact, execution);
+  return intact;
 }
 
 }  // namespace fracture

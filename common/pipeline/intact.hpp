@@ -10,7 +10,8 @@
 namespace fracture {
 
 /// Returns the parts of the solid as uncut fragments, which are made with a single site. They have the same vertices,
-/// attributes and materials as the outside of the fragments. The only parameters used are hulls, hull_limits and parts.
+/// attributes and materials as the outside of the fragments. Their hulls are those of the source, if it has any
+/// (given_colliders.hpp). The only parameters used are hulls, hull_limits and parts.
 /// Errors: kNoFragments, kUnsound. Throws Interrupted.
 Expected<IntactSolid> make_intact(const Solid& solid, const FractureParameters& parameters,
                                   const Execution& execution);

@@ -39,24 +39,25 @@ KeptFragment kept_with_pivot(Fragment made, Pivot pivot, const Execution& execut
   return kept;
 }
 
-namespace {
-
-std::size_t heap_of(const Fragment& f) {
-  std::size_t bytes = heap(f.sites) + heap(f.positions) + heap(f.attributes.normals) +
+std::size_t memory_size(const Fragment& f) {
+  std::size_t bytes = sizeof f + heap(f.sites) + heap(f.positions) + heap(f.attributes.normals) +
                       heap(f.attributes.tangents) + nested_heap(f.attributes.uvs) +
                       nested_heap(f.attributes.colors) + heap(f.indices) + heap(f.primitives) +
                       heap(f.part_cells) + heap(f.part_volumes) + heap(f.triangle_parts) + heap(f.topology) +
                       heap(f.caps) + nested_heap(f.bodies);
-  if (f.sheet) bytes += sizeof *f.sheet + heap_of(*f.sheet);
+  if (f.sheet) bytes += memory_size(*f.sheet);
   return bytes;
 }
 
-}  // namespace
+std::size_t memory_size(const FragmentHulls& hulls) {
+  std::size_t bytes = sizeof hulls + heap(hulls.hulls);
+  for (const CollisionHull& hull : hulls.hulls) bytes += heap(hull.points) + heap(hull.triangles);
+  return bytes;
+}
 
 std::size_t memory_size(const KeptFragment& kept) {
-  std::size_t bytes = sizeof kept + heap_of(kept.fragment) + heap(kept.hulls.hulls) + heap(kept.far);
-  for (const CollisionHull& hull : kept.hulls.hulls) bytes += heap(hull.points) + heap(hull.triangles);
-  return bytes;
+  return sizeof kept - sizeof kept.fragment - sizeof kept.hulls + memory_size(kept.fragment) +
+         memory_size(kept.hulls) + heap(kept.far);
 }
 
 }  // namespace fracture

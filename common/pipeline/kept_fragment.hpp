@@ -2,10 +2,12 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <vector>
 
 #include "common/base/execution.hpp"
+#include "common/base/id.hpp"
 #include "common/fragment/fragments.hpp"
 #include "common/physics/collision_hulls.hpp"
 
@@ -19,6 +21,8 @@ struct KeptFragment {
   std::vector<Vec3f> far{};  ///< per vertex: its position in that frame; empty if the pivot is its origin
   /// Whether it lies in a convex region that no other fragment enters. If not, hulls of its pieces must stay in its own.
   bool is_in_convex = true;
+  std::uint32_t instance =
+      kNoIndex;  ///< index into the bodies of BrokenSolid::instances; kNoIndex: it is none
 
   const std::vector<Vec3f>& world() const { return far.empty() ? fragment.positions : far; }
 };
@@ -30,5 +34,7 @@ KeptFragment kept_with_pivot(Fragment made, Pivot pivot, const Execution& execut
 
 /// Bytes, including the object itself.
 std::size_t memory_size(const KeptFragment& kept);
+std::size_t memory_size(const Fragment& fragment);
+std::size_t memory_size(const FragmentHulls& hulls);
 
 }  // namespace fracture

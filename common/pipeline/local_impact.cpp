@@ -219,6 +219,33 @@ Expected<HitCells> cells_of_hit(const Solid& solid, const SiteParameters& parame
   return cells;
 }
 
+std::vector<char> parts_in_ball(const Solid& solid, const LocalImpact& hit, const Box& reach,
+                                const Execution& execution) {
+  Pacer pacer(execution);
+  std::vector<char> is_in(solid.parts.size(), 0), open(solid.parts.size(), 0);
+  std::size_t left = 0;  // number of parts that are open: neither in nor known to be out
+  for (std::size_t p = 0; p < solid.parts.size(); ++p) {
+    pacer.step();
+    const Box& box = solid.parts[p].box;
+    if (!box.intersects(reach)) continue;
+    is_in[p] = box.intersects(Box{hit.point, hit.point});
+    open[p] = !is_in[p];
+    left += open[p] != 0;
+  }
+  const auto at = [&](VertexId v) { return to_double(solid.positions[v]); };
+  for (std::size_t t = 0; t < solid.triangles.size() && left > 0; ++t) {
+    pacer.step();
+    const std::uint32_t p = solid.part[t];
+    if (!open[p]) continue;
+    const auto& v = solid.triangles[t];
+    if (distance_to_triangle(hit.point, at(v[0]), at(v[1]), at(v[2])) > hit.radius) continue;
+    is_in[p] = 1;
+    open[p] = 0;
+    --left;
+  }
+  return is_in;
+}
+
 Expected<void> check_sites_of_hits(const SiteParameters& parameters, std::span<const LocalImpact> hits,
                                    std::uint64_t of_pattern) {
   std::uint64_t all = of_pattern;

@@ -68,6 +68,12 @@ Expected<HitCells> cells_of_hit(const Solid& solid, const SiteParameters& parame
                                 std::span<const LocalImpact> hits, std::size_t number, Remarks& remarks,
                                 const Execution& execution);
 
+/// Returns, for each part, whether the hit's ball touches it. Cells reach a little farther (kReach), but other parts stay whole.
+/// A part whose box contains the point counts as touched, because the ball may be inside it. `reach`: HitCells::reach. Linear in the
+/// triangles. Throws Interrupted.
+std::vector<char> parts_in_ball(const Solid& solid, const LocalImpact& hit, const Box& reach,
+                                const Execution& execution);
+
 /// Checks that the pattern and all hits together have at most SiteParameters::most_sites sites. `of_pattern`: number of
 /// the pattern's sites. Error: kTooComplex.
 Expected<void> check_sites_of_hits(const SiteParameters& parameters, std::span<const LocalImpact> hits,

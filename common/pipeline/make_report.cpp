@@ -8,6 +8,7 @@
 #include "common/base/words.hpp"
 #include "common/physics/hull_trim.hpp"
 #include "common/physics/principal_axes.hpp"
+#include "common/pipeline/kept_instances.hpp"
 
 namespace fracture {
 namespace {
@@ -90,12 +91,14 @@ std::string fewer_fragments(const SizeLimits& size, const FragmentSet& set) {
          (names.empty() ? "." : ", or lower the limits (" + names + ").");
 }
 
-std::string more_fragments(std::uint32_t asked, bool together, const FragmentSet& set) {
+std::string more_fragments(std::uint32_t asked, bool together, bool instances, const FragmentSet& set) {
   const std::uint32_t parts = set.size.parts;
   const std::string at_least = " Ask for at least " + grouped(parts > asked ? parts : set.fragments.size());
   if (parts > asked)
     return "the mesh has " + grouped(parts) + " separate parts" +
-           (together ? ", or groups of parts that touch each other," : ",") +
+           (!together   ? ","
+            : instances ? ", instances or groups of parts that touch each other,"
+                        : ", or groups of parts that touch each other,") +
            " and each is at least one fragment." + at_least +
            (together ? ", or raise 'contact_gap' to the distance between parts."
                      : ", or use parts=together.");
@@ -103,9 +106,9 @@ std::string more_fragments(std::uint32_t asked, bool together, const FragmentSet
          ", or repair the mesh so that " + (parts > 1 ? "its parts are joined." : "they touch.");
 }
 
-/// Explains the number of fragments if it is off by more than a tenth.
-void report_fragments(std::uint32_t asked, const FractureParameters& p, const FragmentSet& set,
-                      Remarks& remarks) {
+/// Explains the number of fragments if it is off by more than a tenth. `instances`: whether some may stay whole.
+void report_fragments(std::uint32_t asked, const FractureParameters& p, bool instances,
+                      const FragmentSet& set, Remarks& remarks) {
   const std::size_t made = set.fragments.size();
   if (asked == 0 || (10 * made <= 11 * std::uint64_t{asked} && 10 * made >= 9 * std::uint64_t{asked})) return;
   const std::string both = counted(asked, "fragment was", "fragments were") + " asked for, and " +
@@ -115,11 +118,11 @@ void report_fragments(std::uint32_t asked, const FractureParameters& p, const Fr
   else
     remarks.warn(both + ", because " +
                  (made < asked ? fewer_fragments(p.size, set)
-                               : more_fragments(asked, p.parts == Parts::kTogether, set)));
+                               : more_fragments(asked, p.parts == Parts::kTogether, instances, set)));
 }
 
-void report_size(const FractureParameters& p, const SplitFigures& split, const CutCells::Whole& sizes,
-                 const FragmentSet& set, Report& report) {
+void report_size(const FractureParameters& p, bool instances, const SplitFigures& split,
+                 const CutCells::Whole& sizes, const FragmentSet& set, Report& report) {
   const std::vector<double>& volumes = sizes.volumes;
   const std::uint64_t triangles = sizes.triangles;
   const double largest = volumes.empty() ? 0 : volumes.back();
@@ -129,7 +132,7 @@ void report_size(const FractureParameters& p, const SplitFigures& split, const C
     remarks.note(counted(alone, "piece is", "pieces are") + " smaller than " +
                  short_number(set.size.min_volume) + " m³ and " + (alone == 1 ? "touches" : "touch") +
                  " no other piece, so " + (alone == 1 ? "it stays as it is." : "they stay as they are."));
-  report_fragments(p.hits.empty() ? p.size.fragments : 0, p, set, remarks);
+  report_fragments(p.hits.empty() ? p.size.fragments : 0, p, instances, set, remarks);
   if (p.hits.empty() && p.size.max_fragments > 0 && set.fragments.size() > p.size.max_fragments)
     remarks.warn(
         "The answer has " + counted(set.fragments.size(), "fragment", "fragments") +
@@ -262,7 +265,8 @@ Report make_report(const Solid& solid, const SiteNotes& sites, const FracturePar
                    const std::optional<Rest>& rest, const FragmentSet& set, const Execution& execution) {
   Report report;
   report_sites(solid, sites, set, report);
-  report_size(parameters, sites.split, cut.whole ? *cut.whole : sizes_of(set, execution), set, report);
+  report_size(parameters, may_keep_instances(solid, parameters), sites.split,
+              cut.whole ? *cut.whole : sizes_of(set, execution), set, report);
   report_kept(parameters, cut, report);
   report_structure(anchored, report);
   if (parameters.roughness.amplitude > 0) report_roughness(parameters, cut, report);

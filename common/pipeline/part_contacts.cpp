@@ -3,28 +3,13 @@
 #include <algorithm>
 #include <utility>
 
-#include "common/base/disjoint_sets.hpp"
 #include "common/base/pacer.hpp"
 #include "common/bvh/ray_crossing.hpp"
+#include "common/pipeline/kept_instances.hpp"
 #include "common/structure/contact_bonds.hpp"
 
 namespace fracture {
 namespace {
-
-std::vector<std::uint32_t> groups_of_parts(const Solid& solid, Pacer& pacer) {
-  DisjointSets sets(solid.parts.size());
-  for (const Contact& c : solid.contacts->contacts) {
-    pacer.step();
-    if (c.area > 0) sets.unite(c.a, c.b);
-  }
-  std::vector<std::uint32_t> group(solid.parts.size());
-  std::uint32_t next = 0;
-  for (std::uint32_t p = 0; p < group.size(); ++p) {  // the lowest part of a group comes first
-    pacer.step();
-    group[p] = sets.find(p) == p ? next++ : group[sets.find(p)];
-  }
-  return group;
-}
 
 /// Fills the fields of a fragment that find_contact_bonds() reads. It reads surfaces only if a cell has
 /// several pieces of the part.
@@ -169,15 +154,17 @@ class OverlapsInCells {
 }  // namespace
 
 bool joins_parts(const Solid& solid, const FractureParameters& parameters) {
-  return parameters.parts == Parts::kTogether && parts_hold_together(solid);
+  return (parameters.parts == Parts::kTogether && parts_hold_together(solid)) ||
+         may_keep_instances(solid, parameters);
 }
 
-std::optional<PartContacts> find_part_contacts(const RestrictedDiagram& flat, const Ownership& ownership,
-                                               const Pieces& pieces, const FractureParameters& parameters,
-                                               const Execution& execution) {
-  if (!joins_parts(flat.solid, parameters)) return std::nullopt;
-  Pacer pacer(execution);
-  PartContacts contacts{{}, groups_of_parts(flat.solid, pacer)};
+namespace {
+
+/// The contacts between pieces of different parts.
+std::vector<PieceContact> contacts_of_pieces(const RestrictedDiagram& flat, const Ownership& ownership,
+                                             const Pieces& pieces, const Execution& execution) {
+  std::vector<PieceContact> contacts;
+  if (!parts_hold_together(flat.solid)) return contacts;
   const std::vector<Fragment> fragments = outlines(flat, ownership, pieces, execution);
   std::vector<const Fragment*> pointers;
   pointers.reserve(fragments.size());
@@ -185,8 +172,31 @@ std::optional<PartContacts> find_part_contacts(const RestrictedDiagram& flat, co
   const CellSites cells{flat.diagram.dual().points, flat.diagram.map()};
   const ContactBonds with{flat.solid, cells, flat.positions.lattice.step()};
   for (const Bond& bond : find_contact_bonds(with, pointers, {}, execution))
-    contacts.pieces.push_back({bond.a, bond.b, bond.area});
-  OverlapsInCells(flat, pieces, execution).add_to(contacts.pieces);
+    contacts.push_back({bond.a, bond.b, bond.area});
+  OverlapsInCells(flat, pieces, execution).add_to(contacts);
+  return contacts;
+}
+
+}  // namespace
+
+std::optional<PartContacts> find_part_contacts(const RestrictedDiagram& flat, const Ownership& ownership,
+                                               const Pieces& pieces, const FractureParameters& parameters,
+                                               const Execution& execution) {
+  if (!joins_parts(flat.solid, parameters)) return std::nullopt;
+  PartGroups groups = group_parts(flat.solid, parameters, wanted_fragments(parameters), execution);
+  if (parameters.parts == Parts::kInstances) {  // nothing else joins, whatever it touches
+    if (groups.whole.empty()) return std::nullopt;
+    return PartContacts{{}, std::move(groups.of_part), std::move(groups.whole), true};
+  }
+  PartContacts contacts{contacts_of_pieces(flat, ownership, pieces, execution), std::move(groups.of_part),
+                        std::move(groups.whole)};
+  if (contacts.whole.empty()) return contacts;
+  const auto instance_of = [&](std::uint32_t piece) { return contacts.whole[pieces.pieces[piece].part]; };
+  std::erase_if(contacts.pieces, [&](const PieceContact& c) {
+    const std::uint32_t a = instance_of(c.of), b = instance_of(c.with);
+    if (a != b) contacts.whole_touch = true;
+    return a != kNoIndex || b != kNoIndex;
+  });
   return contacts;
 }
 

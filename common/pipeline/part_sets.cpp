@@ -7,11 +7,11 @@
 #include <unordered_set>
 #include <utility>
 
-#include "common/base/disjoint_sets.hpp"
 #include "common/base/pacer.hpp"
 #include "common/base/words.hpp"
 #include "common/fragment/carried_sheets.hpp"
 #include "common/fragment/make_fragments.hpp"
+#include "common/pipeline/kept_instances.hpp"
 #include "common/pipeline/overlaps.hpp"
 #include "common/solid/part_solid.hpp"
 #include "common/solid/sheet_surface.hpp"
@@ -35,29 +35,24 @@ std::vector<std::uint32_t> shared(std::uint32_t number, const std::vector<double
   return least;
 }
 
-/// The least number of fragments of a solid: one for each part, or for each group of parts that hold together.
-std::uint32_t least_fragments(const Solid& solid, Parts parts, Pacer& pacer) {
-  std::size_t groups = solid.parts.size();
-  if (parts == Parts::kTogether && solid.contacts) {
-    DisjointSets sets(solid.parts.size());
-    for (const Contact& contact : solid.contacts->contacts) {
-      pacer.step();
-      if (contact.area > 0 && sets.find(contact.a) != sets.find(contact.b)) {
-        sets.unite(contact.a, contact.b);
-        --groups;
-      }
-    }
-  }
-  return static_cast<std::uint32_t>(groups);
+/// The least number of fragments of a set: one for each part, or for each group of parts that hold together and each instance that
+/// stays whole.
+std::uint32_t least_fragments(const PartSet& set, const Execution& execution) {
+  if (set.parameters.parts != Parts::kTogether) return static_cast<std::uint32_t>(set.own->parts.size());
+  const PartGroups groups =
+      group_parts(*set.own, set.parameters, wanted_fragments(set.parameters), execution);
+  return 1 + *std::max_element(groups.of_part.begin(), groups.of_part.end());
 }
 
 /// Shares what holds for the whole among the sets.
-void share(const Solid& whole, const FractureParameters& asked, std::vector<PartSet>& sets, Pacer& pacer) {
+void share(const Solid& whole, const FractureParameters& asked, std::vector<PartSet>& sets,
+           const Execution& execution) {
+  Pacer pacer(execution);
   std::vector<double> volumes;
   std::vector<std::uint32_t> least;
   for (const PartSet& set : sets) {
     volumes.push_back(set.own->report.volume);
-    least.push_back(least_fragments(*set.own, asked.parts, pacer));
+    least.push_back(least_fragments(set, execution));
   }
   const std::vector<std::uint32_t> ones(sets.size(), 1);
   const SizeLimits& limits = asked.size;
@@ -198,9 +193,17 @@ double distance(const Box& box, const Vec3d& p) {
   return std::sqrt(square);
 }
 
-/// The sets that have parts. Nothing is shared among them yet.
+/// The box of the parts that a set has.
+Box box_of(const PartSet& set, const Solid& solid) {
+  Box box;
+  for (const std::uint32_t p : set.parts) box.add(solid.parts[p].box);
+  return box;
+}
+
+/// The sets that have parts. Nothing is shared among them yet. `near`: leaves out the sets whose boxes it does not reach, unless
+/// there is only one set; null: all.
 std::vector<PartSet> divided(const Solid& solid, const FractureParameters& parameters,
-                             const Execution& execution) {
+                             const LocalImpact* near, const Execution& execution) {
   const PartChoice choice = choose_assigned(solid, parameters, execution);
   std::vector<std::vector<std::uint32_t>> parts(parameters.assigned.size() + 1);
   Pacer pacer(execution);
@@ -216,6 +219,9 @@ std::vector<PartSet> divided(const Solid& solid, const FractureParameters& param
     sets[0].parts.clear();
     return sets;
   }
+  if (near)
+    std::erase_if(
+        sets, [&](const PartSet& set) { return distance(box_of(set, solid), near->point) > near->radius; });
   for (PartSet& set : sets) set.own = solid_of_parts(solid, set.parts, execution);
   return sets;
 }
@@ -277,10 +283,10 @@ FractureParameters reported_parameters(const FractureParameters& parameters) {
 
 std::vector<PartSet> part_sets(const Solid& solid, const FractureParameters& parameters,
                                const Execution& execution) {
-  std::vector<PartSet> sets = divided(solid, parameters, execution);
+  std::vector<PartSet> sets = divided(solid, parameters, nullptr, execution);
   if (sets.size() == 1) return sets;
-  Pacer pacer(execution);
-  share(solid, parameters, sets, pacer);
+  keep_instances_in(sets, solid, parameters, execution);
+  share(solid, parameters, sets, execution);
   share_sheets(solid, sets, execution);
   return sets;
 }
@@ -288,10 +294,9 @@ std::vector<PartSet> part_sets(const Solid& solid, const FractureParameters& par
 std::vector<PartSet> sets_near_hit(const Solid& solid, const FractureParameters& parameters,
                                    const LocalImpact& hit, const Execution& execution) {
   if (parameters.assigned.empty()) return {{{}, {}, parameters}};
-  std::vector<PartSet> sets = divided(solid, parameters, execution);
-  if (sets.size() == 1) return sets;
-  std::erase_if(sets, [&](const PartSet& set) { return distance(set.own->box, hit.point) > hit.radius; });
-  for (PartSet& set : sets) set.own->box = solid.box;
+  std::vector<PartSet> sets = divided(solid, parameters, &hit, execution);
+  for (PartSet& set : sets)
+    if (set.own) set.own->box = solid.box;
   if (sets.empty()) sets.push_back({{}, {}, parameters_of_entry(parameters, kNoIndex)});
   return sets;
 }
@@ -365,7 +370,8 @@ Expected<CutCells> cut_sets(
 }
 
 void weigh_assigned(const Solid& solid, const FractureParameters& parameters, const PartChoice& choice,
-                    bool together, FragmentSet& set, const Execution& execution) {
+                    bool together, FragmentSet& set, std::vector<WholeBond>& whole_bonds,
+                    const Execution& execution) {
   Pacer pacer(execution);
   const auto entry_of = [&](std::uint32_t part) -> const AssignedParts* {
     const std::uint32_t k = choice.of_part[part];
@@ -386,6 +392,10 @@ void weigh_assigned(const Solid& solid, const FractureParameters& parameters, co
   for (Bond& bond : set.bonds) {
     pacer.step();
     bond.strength *= std::min(strength(bond.a), strength(bond.b));
+  }
+  for (WholeBond& bond : whole_bonds) {
+    pacer.step();
+    bond.strength *= std::min(strength(bond.fragment), 1.0);
   }
   for (Fragment& f : set.fragments) {
     pacer.step();

@@ -58,10 +58,11 @@ Expected<CutCells> cut_sets(
     const std::function<Expected<CutCells>(const Solid&, const Diagram&, const FractureParameters&)>& cut);
 
 /// Multiplies the densities of fragments and the strengths of bonds by those that are assigned to their parts. The weaker part
-/// decides a bond. To be called once all bonds are known and overlaps were counted. `together`: as in count_overlaps_once().
-/// Sets FragmentSet::weighed_volume. Throws Interrupted.
+/// decides a bond; a node that stays whole is as strong as the request's material. To be called once all bonds are known and
+/// overlaps were counted. `together`: as in count_overlaps_once(). Sets FragmentSet::weighed_volume. Throws Interrupted.
 void weigh_assigned(const Solid& solid, const FractureParameters& parameters, const PartChoice& choice,
-                    bool together, FragmentSet& set, const Execution& execution);
+                    bool together, FragmentSet& set, std::vector<WholeBond>& whole_bonds,
+                    const Execution& execution);
 
 /// Returns the parameters for the parts that an entry of `assigned` decides (kNoIndex: none), before sites and fragments are
 /// shared.

@@ -65,6 +65,13 @@ struct BarycenterReport {
   bool operator==(const BarycenterReport&) const = default;
 };
 
+/// The fragments that are whole instances of a mesh (InstancedBodies).
+struct InstanceFigures {
+  std::uint64_t fragments = 0;
+  std::uint64_t shapes = 0;  ///< that they share
+  bool operator==(const InstanceFigures&) const = default;
+};
+
 /// The fragment that was fractured again.
 struct RefracturedFragment {
   std::uint64_t id = 0;
@@ -85,8 +92,9 @@ struct Report {
     bool operator==(const Kept&) const = default;
   };
   std::optional<Kept> kept{};
-  std::optional<std::uint32_t> anchored{};  ///< number of anchored fragments
-  std::optional<HullReport> hulls{};        ///< of all fragments of the answer
+  std::optional<std::uint32_t> anchored{};     ///< number of anchored fragments
+  std::optional<HullReport> hulls{};           ///< of all fragments of the answer
+  std::optional<InstanceFigures> instances{};  ///< of the whole answer; empty: there are none
   std::optional<RoughCuts> rough_cuts{};
   std::optional<BarycenterReport> barycenter{};  ///< Dual::kBarycenter: no partition is promised
   std::optional<RefracturedFragment> fragment{};

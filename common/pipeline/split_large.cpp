@@ -17,10 +17,7 @@ namespace fracture {
 Expected<SplitFigures> split_large(const SeenSolid& solid, Diagram& diagram,
                                    const FractureParameters& parameters, const Execution& execution) {
   const double max_volume = parameters.max_volume;
-  std::uint64_t of_hits = 0;
-  for (const LocalImpact& hit : parameters.hits)
-    of_hits += std::uint64_t{cells_per_fragment(parameters)} * hit.sites;
-  const std::size_t most = parameters.most_sites - std::min<std::uint64_t>(of_hits, parameters.most_sites);
+  const std::size_t most = parameters.most_sites;
   std::optional<KeptSpace> kept;
   if (parameters.keep && parameters.dual == Dual::kCircumcenter) kept.emplace(*parameters.keep, solid);
   SplitFigures figures;

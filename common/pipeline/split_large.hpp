@@ -24,9 +24,9 @@ struct SplitFigures {
 inline constexpr std::uint32_t kMaxSplitPasses = 16;
 
 /// Adds sites to the diagram until every cell's pieces of the solid are at most max_volume (m³, > 0), or
-/// until there are most_sites, including those that the hits will make. In each pass, every cell with a
-/// larger piece gets further sites, about as many as max_volume fits into the piece. The sites come from a
-/// sequence of uniform points in the solid. Deterministic in the seed. Clips the surface once per pass.
+/// until there are most_sites. In each pass, every cell with a larger piece gets further sites, about as many
+/// as max_volume fits into the piece. The sites come from a sequence of uniform points in the solid.
+/// Deterministic in the seed. Clips the surface once per pass.
 /// `solid` is seen through the diagram's map; the diagram must have no groups.
 Expected<SplitFigures> split_large(const SeenSolid& solid, Diagram& diagram,
                                    const FractureParameters& parameters, const Execution& execution);

@@ -250,9 +250,9 @@ Expected<SitePlan> plan_sites(const SeenSolid& solid, const SiteParameters& p, c
   if (!plan) return plan;
   if (is_scattered(p.pattern) && cells < p.aggregation.cells)
     plan->remarks.warn(
-        "'cells_per_fragment' is " + grouped(cells) + " instead of " + grouped(p.aggregation.cells) +
-        ", because more cells for so many fragments would need more than " + grouped(kMaxPatternSites) +
-        " sites. The fragments have plainer shapes. Ask for fewer fragments if that matters.");
+        "'cells_per_fragment' is " + grouped(cells) + " here, not " + grouped(p.aggregation.cells) +
+        ": with so many cells for each fragment, there would be more than " + grouped(kMaxPatternSites) +
+        " sites. Fewer cells make plainer shapes. To get more, ask for fewer fragments.");
   plan->map = solid.map();
   if (!std::holds_alternative<PointsPattern>(p.pattern)) {
     const SiteLattice lattice = site_lattice(solid.seen().box);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdio>
 #include <utility>
 
 #include "common/base/pacer.hpp"
@@ -14,8 +15,20 @@
 namespace fracture {
 namespace {
 
-std::string written(const Vec3d& p) {
-  return short_number(p.x) + "," + short_number(p.y) + "," + short_number(p.z);
+/// The place of the root node, to which places of the solid are relative (SourceFrame::offset).
+Vec3d root_of(const Solid& solid) { return solid.source ? solid.source->frame.offset : Vec3d{}; }
+
+/// Returns a place as in the request. Short numbers are too short for places that are far from the origin.
+std::string written(const Vec3d& p, const Vec3d& root) {
+  if (root == Vec3d{}) return short_number(p.x) + "," + short_number(p.y) + "," + short_number(p.z);
+  char text[96];
+  std::snprintf(text, sizeof text, "%.10g,%.10g,%.10g", p.x + root.x, p.y + root.y, p.z + root.z);
+  return text;
+}
+
+std::optional<std::string> likely_unit(const Vec3d& place, const Solid& solid) {
+  const Vec3d root = root_of(solid);
+  return likely_unit(place + root, Box{solid.box.min + root, solid.box.max + root});
 }
 
 /// The nearest point of the surface. If several triangles are equally near, that of the first one.
@@ -36,14 +49,16 @@ Vec3d nearest_place(const Solid& solid, const Vec3d& p, Pacer& pacer) {
   return nearest;
 }
 
-void warn_of_moved(const Vec3d& from, const Vec3d& to, std::size_t others, const Box& box, Remarks& remarks) {
-  const std::optional<std::string> unit = likely_unit(from, box);
+void warn_of_moved(const Vec3d& from, const Vec3d& to, std::size_t others, const Solid& solid,
+                   Remarks& remarks) {
+  const Vec3d root = root_of(solid);
+  const std::optional<std::string> unit = likely_unit(from, solid);
   remarks.warn(
-      "The impact " + written(from) + " is outside the mesh, " + short_number(length(from - to)) +
-      " m from its surface, so the nearest point of the surface is hit instead: " + written(to) + "." +
+      "The impact " + written(from, root) + " is outside the mesh, " + short_number(length(from - to)) +
+      " m from its surface, so the nearest point of the surface is hit instead: " + written(to, root) + "." +
       (others == 0 ? std::string()
                    : " The same applies to " + counted(others, "further impact.", "further impacts.")) +
-      (unit ? " 'impacts' is in metres, with y up, but " + written(from) + " looks like " + *unit +
+      (unit ? " 'impacts' is in metres, with y up, but " + written(from, root) + " looks like " + *unit +
                   ": convert it to metres."
             : " Move 'impacts' onto the mesh; coordinates are in metres, with y up."));
 }
@@ -61,7 +76,7 @@ void move_onto(const Solid& solid, std::vector<Vec3d>& impacts, Remarks& remarks
     moved.emplace_back(impacts[k], place);
     impacts[k] = place;
   }
-  if (!moved.empty()) warn_of_moved(moved[0].first, moved[0].second, moved.size() - 1, solid.box, remarks);
+  if (!moved.empty()) warn_of_moved(moved[0].first, moved[0].second, moved.size() - 1, solid, remarks);
 }
 
 Vec3d default_impact(const Solid& solid, Remarks& remarks, const Execution& execution) {
@@ -72,7 +87,7 @@ Vec3d default_impact(const Solid& solid, Remarks& remarks, const Execution& exec
   remarks.note(
       "No impact point is set ('impacts'), and the centre of the mesh's box is empty, so the mesh breaks around "
       "the point of its surface that is nearest to that centre: " +
-      written(place) + ".");
+      written(place, root_of(solid)) + ".");
   return place;
 }
 
@@ -123,12 +138,12 @@ void check_points(const Solid& solid, const std::vector<Vec3d>& points, Remarks&
   const bool none_inside = std::find(inside.begin(), inside.end(), true) == inside.end();
   if (!outlier && !none_inside) return;
   const Vec3d& sample = outlier ? *outlier : points[0];
-  const std::optional<std::string> unit = outlier ? likely_unit(sample, solid.box) : std::nullopt;
+  const std::optional<std::string> unit = outlier ? likely_unit(sample, solid) : std::nullopt;
   remarks.warn((none_inside ? "None of the 'points' is inside the mesh, so it may stay in one piece."
                             : counted(outliers, "of the 'points' is", "of the 'points' are") +
                                   " far outside the mesh and may make no pieces.") +
-               (unit ? " They are in metres, with y up, but " + written(sample) + " looks like " + *unit +
-                           ": convert them to metres."
+               (unit ? " They are in metres, with y up, but " + written(sample, root_of(solid)) +
+                           " looks like " + *unit + ": convert them to metres."
                      : " Move them into the mesh; coordinates are in metres, with y up."));
 }
 

@@ -16,12 +16,6 @@ namespace {
 /// The largest value of the parameter `thickness`, m.
 constexpr double kMostThickness = 1000;
 
-double area_of(const Surface& surface, std::size_t triangle) {
-  const Triangle& c = surface.triangles[triangle];
-  const Vec3d a = to_double(surface.positions[c[0]]);
-  return 0.5 * length(cross(to_double(surface.positions[c[1]]) - a, to_double(surface.positions[c[2]]) - a));
-}
-
 /// The thickness that is offered for the walls, m: one digit, so that people can read and change it.
 double offered_thickness(double longest) {
   char text[32];

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/base/words.hpp"
+#include "common/solid/doubled_vessels.hpp"
 #include "common/solid/edges.hpp"
 #include "common/solid/enclosures.hpp"
 #include "common/solid/faults.hpp"
@@ -55,6 +56,11 @@ double seam_distance(const Box& box, const SolidOptions& options) {
   return std::fmax(weld_distance(box, options), 0x1p-23 * reach);
 }
 
+/// Whether open pieces are closed by filling their holes. Otherwise, they are refused, or walls are wanted, which have two sides.
+bool fills_vessels(const SolidOptions& options) {
+  return options.repair == Repair::kFill && options.thickness <= 0 && options.sheets != SheetsMode::kSolid;
+}
+
 /// Glues all edges that can be paired. The remaining open edges are filled later.
 EdgeFaults pair_edges(Surface& surface, const SolidOptions& options, SolidReport& report,
                       const Execution& execution) {
@@ -68,6 +74,9 @@ EdgeFaults pair_edges(Surface& surface, const SolidOptions& options, SolidReport
     rebuild();
     if (drop_duplicates(surface, edges, report, execution)) rebuild();
   }
+  if (fills_vessels(options) &&
+      drop_inner_sides(surface, edges, seam_distance(box_of(surface, execution), options), report, execution))
+    rebuild();
   if (orient_patches(surface, edges, report, execution)) rebuild();
   pair_clean_edges(surface, edges, execution);
   pair_nonmanifold_edges(surface, edges, execution);

@@ -17,6 +17,7 @@
 #include "common/base/vec.hpp"
 #include "common/mesh/mesh.hpp"
 #include "common/solid/contact_graph.hpp"
+#include "common/solid/instances.hpp"
 #include "common/solid/vertex_id.hpp"
 
 namespace fracture {
@@ -148,6 +149,7 @@ struct SolidReport {
   bool operator==(const SolidReport&) const = default;
 };
 
+struct Scenery;  // contacts/scenery.hpp
 struct Solid;
 
 /// The sheets that a solid's answer keeps: triangles of the source as they are in the file.
@@ -189,6 +191,10 @@ struct Solid {
   std::shared_ptr<const ContactGraph> contacts{};
   /// Null if there are none, and in images and patches.
   std::shared_ptr<const Sheets> sheets{};
+  /// Null until keep_instances() (solid/instances.hpp), or if there are none. Copies share it; images and patches have none.
+  std::shared_ptr<const Instances> instances{};
+  /// Null until keep_scenery() (contacts/scenery.hpp), or if there are none. Copies share it; images and patches have none.
+  std::shared_ptr<const Scenery> scenery{};
 
   /// The remarks of the importer, followed by those of make_solid().
   Remarks remarks() const;
@@ -196,10 +202,11 @@ struct Solid {
   void validate() const;
 };
 
-/// The range of coordinates, metres. No coordinate may exceed kMaxCoordinate (sites have the same limit, and
-/// the filters of the exact predicates depend on it). On each axis, the largest coordinate must be at least
-/// kLeastReach, so that the steps of the seam lattice (2^-23 of it) are floats.
-inline constexpr double kMaxCoordinate = 1e12, kLeastReach = 0x1p-126;
+/// The range of a mesh's coordinates, metres. kMaxCoordinate is a tenth of the limit for sites (kMaxSiteCoordinate,
+/// on which the filters of the exact predicates depend), because rings of sites and backs of slabs can be outside
+/// the mesh. On each axis, the largest coordinate must be at least kLeastReach, so that the steps of the seam
+/// lattice (2^-23 of it) are floats.
+inline constexpr double kMaxCoordinate = 1e11, kLeastReach = 0x1p-126;
 
 /// Sets SolidReport::edge_length, by which the cost of a fracture is estimated. Throws Interrupted.
 void measure_edges(Solid& solid, const Execution& execution);

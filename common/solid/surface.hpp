@@ -5,6 +5,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -59,5 +60,12 @@ struct Surface {
   /// Removes the triangles with a nonzero entry, keeping the order of the others. Twins become invalid.
   void remove(const std::vector<std::uint8_t>& doomed, const Execution& execution);
 };
+
+/// Area of a triangle, m².
+inline double area_of(const Surface& surface, std::size_t triangle) {
+  const Triangle& c = surface.triangles[triangle];
+  const Vec3d a = to_double(surface.positions[c[0]]);
+  return 0.5 * length(cross(to_double(surface.positions[c[1]]) - a, to_double(surface.positions[c[2]]) - a));
+}
 
 }  // namespace fracture::solid_detail

@@ -27,7 +27,7 @@ tl::unexpected<Error> refuse_vertex(std::uint32_t vertex, const Vec3f& p) {
                 {{"vertex", vertex}});
   return fail(ErrorCode::kNotFinite,
               name + " is at " + place(p) +
-                  ", in metres; coordinates may be at most 1e12 m from 0. Set 'unit' to the unit of the "
+                  ", in metres; coordinates may be at most 1e11 m from 0. Set 'unit' to the unit of the "
                   "file, or move the mesh to the origin.",
               {}, {{"vertex", vertex}});
 }

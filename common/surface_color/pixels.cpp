@@ -9,6 +9,9 @@
 #include <new>
 #include <string_view>
 
+#include "common/surface_color/ktx2.hpp"
+#include "common/surface_color/webp.hpp"
+
 namespace fracture {
 namespace {
 
@@ -99,13 +102,25 @@ void require_memory(Bytes image, const Head& head) {
 
 void Pixels::Free::operator()(std::uint8_t* values) const { stbi_image_free(values); }
 
+const char* why_unread(Bytes image) {
+  const bool known =
+      begins_with(image, kPng) || begins_with(image, kJpeg) || is_webp(image) || is_ktx2(image);
+  if (!known) return "is neither PNG, JPEG, WebP nor KTX2";
+  const char* const reason = is_ktx2(image) ? why_ktx2_is_unread(image) : nullptr;
+  return reason ? reason : "has a damaged header, or is an animation";
+}
+
 std::optional<std::uint64_t> pixel_count(Bytes image) {
+  if (is_webp(image)) return webp_pixel_count(image);
+  if (is_ktx2(image)) return ktx2_pixel_count(image);
   const std::optional<Head> head = head_of(image);
   if (!head) return std::nullopt;
   return head->pixels();
 }
 
 std::optional<Pixels> decode_image(Bytes image) {
+  if (is_webp(image)) return decode_webp(image);
+  if (is_ktx2(image)) return decode_ktx2(image);
   const std::optional<Head> head = head_of(image);
   if (!head || !is_worth_its_pixels(image, *head)) return std::nullopt;
   require_memory(image, *head);

@@ -1,4 +1,5 @@
-// Decodes PNG and JPEG images with libstb, whose decoders give the same pixels on every machine.
+// Decodes images: PNG and JPEG with libstb, whose decoders give the same pixels on every machine, WebP (webp.hpp) and KTX2
+// (ktx2.hpp).
 #pragma once
 
 #include <array>
@@ -32,8 +33,12 @@ class Pixels {
   std::unique_ptr<std::uint8_t[], Free> values_;
 };
 
-/// Number of pixels that a PNG or JPEG declares; nothing for other formats. Reads only the header.
+/// Number of pixels that decode_image() returns; nothing for formats and encodings that it does not decode. Reads only the
+/// header.
 std::optional<std::uint64_t> pixel_count(std::span<const std::uint8_t> image);
+
+/// Why pixel_count() returns nothing, after "because it ".
+const char* why_unread(std::span<const std::uint8_t> image);
 
 /// Decodes an image. Returns nothing if it is damaged, in another format, or contains more data than its
 /// pixels need (a PNG that inflates to more than its rows, or a JPEG with more than 64 scans). Throws

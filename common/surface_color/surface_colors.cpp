@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <string>
 #include <utility>
 
 #include "common/base/printable.hpp"
@@ -109,20 +110,31 @@ SurfaceColor product(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
 /// Materials that use one image with the same options share a key, so the image is decoded once.
 using ImageUse = std::pair<std::uint32_t, bool>;  // image, weigh_opacity
 
-std::optional<Pixels> pixels_of(const Image& image, PixelBudget& budget, Remarks& remarks) {
+/// Names the material, because many images have no name.
+std::string name_of(const MaterialLibrary& library, std::uint32_t material) {
+  const auto name = library.materials[material].find("name");
+  if (name == library.materials[material].end() || !name->is_string() ||
+      name->get_ref<const std::string&>().empty())
+    return "material " + std::to_string(material);
+  return "the material \"" + shortened(name->get_ref<const std::string&>()) + "\"";
+}
+
+/// `material`: the first one that uses the image.
+std::optional<Pixels> pixels_of(const Image& image, const std::string& material, PixelBudget& budget,
+                                Remarks& remarks) {
   const std::optional<std::uint64_t> count = pixel_count(image.bytes);
   const bool small = count && budget.take(*count);
   std::optional<Pixels> pixels;
   if (small) pixels = decode_image(image.bytes);
-  const std::string name = "\"" + shortened(image.name) + "\"";
+  const std::string name = image.name.empty() ? "" : " \"" + shortened(image.name) + "\"";
   if (!pixels && small)
     remarks.warn(
-        "The image " + name +
+        "The image" + name + " of " + material +
         " is damaged. The answer contains it unchanged, and cut faces take no colour from it. Export "
         "it again.");
   else if (!pixels)
-    remarks.note("Cut faces take no colour from the image " + name + ", because it " +
-                 (count ? "has too many pixels (" + grouped(*count) + ")" : "is neither PNG nor JPEG") +
+    remarks.note("Cut faces take no colour from the image" + name + " of " + material + ", because it " +
+                 (count ? "has too many pixels (" + grouped(*count) + ")" : why_unread(image.bytes)) +
                  ". 'interior_color' gives them one.");
   return pixels;
 }
@@ -141,9 +153,11 @@ class Painter {
     paint_without_images();
     PixelBudget budget(*mesh_.library, limits);
     for (const auto& [use, slots] : materials_of_) {
-      if (std::all_of(slots.begin(), slots.end(), [&](auto slot) { return triangles_of_[slot].empty(); }))
-        continue;
-      std::optional<Pixels> pixels = pixels_of(mesh_.library->images[use.first], budget, remarks);
+      const auto first =
+          std::find_if(slots.begin(), slots.end(), [&](auto slot) { return !triangles_of_[slot].empty(); });
+      if (first == slots.end()) continue;
+      std::optional<Pixels> pixels =
+          pixels_of(mesh_.library->images[use.first], name_of(*mesh_.library, *first), budget, remarks);
       if (!pixels) continue;
       const MeanPyramid pyramid(std::move(*pixels), use.second);
       for (const std::uint32_t slot : slots) paint(slot, pyramid);

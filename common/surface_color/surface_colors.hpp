@@ -19,7 +19,7 @@ struct PixelLimits {
 /// Returns Mesh::triangle_color: the mean base colour of each triangle. It is sampled at up to 64 points, on
 /// the level of a mean pyramid on which these points are some pixels apart. The colour is unknown if a
 /// triangle has neither a material nor vertex colours, or if its image cannot be read (pixels.hpp) or is too
-/// large; `remarks` names the image. Empty if no colour is known. The result is the same on every machine.
+/// large; `remarks` names the material. Empty if no colour is known. The result is the same on every machine.
 /// Throws std::bad_alloc.
 std::vector<SurfaceColor> surface_colors(const Mesh& mesh, Remarks& remarks, const PixelLimits& limits = {});
 

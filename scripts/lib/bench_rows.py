@@ -16,7 +16,7 @@ import time
 
 NUMBER = r"([\d.]+)"
 LONGEST = 900  # maximum seconds for one run of a program
-MOST_SITES, HIT_SITES = 100_000, 30  # maximum sites of a request (common/pipeline); sites that a hit of bench_local_impact adds
+MOST_SITES, HIT_SITES = 100_000, 30  # maximum sites of a request (common/pipeline); cells of a hit of bench_local_impact
 
 
 class Unknown(Exception):
@@ -149,14 +149,23 @@ def stage(name, threads=1):
     return ask
 
 
+def read(name, peer=""):
+    def ask(bench, build):
+        text, peak = run([(bench.ours if peer else build).program("bench_readers"), "--runs", 1, name])
+        return Sample(float(found(rf"^{name}{'_' + peer if peer else ''} +{NUMBER} ms", text)[1]), peak=peak)
+    return ask
+
+
 # -- hits
 
-def hit(cells):
+def hit(cells, line="without the untouched", hulls=False):
+    """A hit on a stored answer. `line`: the time to take, of the changed fragments or ("a hit") of the whole answer."""
     def ask(bench, build):
         sites = min(cells, MOST_SITES - HIT_SITES)
         text, peak = run([build.program("bench_local_impact"), "--sites", sites, "--repeat", 2 if sites > 9999 else 7,
-                          "--hulls", 0])
-        return Sample(float(found(rf"^without hulls:[^$]*?without the untouched {NUMBER} ms", text)[1]), peak=peak)
+                          "--hulls", int(hulls)])
+        kind = "with" if hulls else "without"
+        return Sample(float(found(rf"^{kind} hulls:[^$]*?{line} {NUMBER} ms", text)[1]), peak=peak)
     return ask
 
 
@@ -244,8 +253,11 @@ def all_rows():
     for cells, goal, before in ((300, 2.5, 3.3), (3000, 3, 10), (30000, 6, 140), (100000, 12, 820)):
         rows.append(Row("hit", f"in {cells} cells", {"ours": hit(cells)}, goal_last=before / goal, quick=cells == 3000,
                         rounds=2 if cells > 9999 else 0))
+    rows.append(Row("hit", "in 300 cells, whole answer", {"ours": hit(300, "a hit")}))
+    rows.append(Row("hit", "in 300 cells, hulls", {"ours": hit(300, hulls=True)}))
     for size, threads, goal in (("1M", 1, 60), ("4M", 1, 260), ("1M", 2, 40), ("4M", 2, 170)):
         rows.append(Row("prepare", f"{size} triangles", {"ours": stage(f"prepare_{size}", threads)}, threads=threads, target=goal, rounds=3))
+    rows.append(Row("read", "an OBJ with 1M triangles", {"ours": read("obj_1M"), "Assimp": read("obj_1M", "assimp")}, goal_peer=5, rounds=3))
     giant = {"ours": stage("giant_100k")}
     rows.append(Row("large answer", "100k sites in sphere20k, hulls, GLB", giant, target=1800, rounds=2))
     rows.append(Row("large answer", "100k sites in sphere20k, peak memory", giant, unit="MiB", memory=True, target=1024, rounds=1))

@@ -38,12 +38,12 @@ def document_of(glb):
 
 
 def bounds_of(glb):
-    """Returns the corners of the world-space bounding box of one of the server's GLB files, in which nodes have only a
-    translation."""
+    """Returns the corners of the world-space bounding box of one of the server's GLB files. Rotated and scaled nodes of instances do
+    not count."""
     document = document_of(glb)
     low, high = [float("inf")] * 3, [float("-inf")] * 3
     for node in document["nodes"]:
-        if "mesh" not in node:
+        if "mesh" not in node or "rotation" in node or "scale" in node:
             continue
         shift = node.get("translation", [0, 0, 0])
         for primitive in document["meshes"][node["mesh"]]["primitives"]:

@@ -73,7 +73,8 @@ class Glb:
         raise ValueError("no node contains extras.fracture.certificate")
 
     def fragments(self):
-        """Returns (mesh, translation to the world) for each node with extras.fracture.id."""
+        """Returns (mesh, translation to the world, node) for each node with extras.fracture.id. The node of a whole instance has a
+        rotation and a scale, too."""
         found, stack = [], [(n, (0.0, 0.0, 0.0)) for n in self.json["scenes"][self.json.get("scene", 0)]["nodes"]]
         while stack:
             index, at = stack.pop()
@@ -81,19 +82,37 @@ class Glb:
             t = node.get("translation", [0, 0, 0])
             here = (at[0] + t[0], at[1] + t[1], at[2] + t[2])
             if "id" in node.get("extras", {}).get("fracture", {}) and "mesh" in node:
-                found.append((self.json["meshes"][node["mesh"]], here))
+                found.append((self.json["meshes"][node["mesh"]], here, node))
             stack += [(child, here) for child in node.get("children", [])]
         return found
 
     def box(self):
         """Returns the bounding box of all fragments, from the bounds in the accessors."""
         low, high = [float("inf")] * 3, [-float("inf")] * 3
-        for mesh, at in self.fragments():
+        for mesh, at, node in self.fragments():
             for primitive in mesh["primitives"]:
                 a = self.json["accessors"][primitive["attributes"]["POSITION"]]
-                low = [min(l, m + t) for l, m, t in zip(low, a["min"], at)]
-                high = [max(h, m + t) for h, m, t in zip(high, a["max"], at)]
+                corners = [a["min"], a["max"]]
+                if is_turned(node):
+                    p = self.accessor(primitive["attributes"]["POSITION"])
+                    corners = [turned(p[k:k + 3], node) for k in range(0, len(p), 3)]
+                for corner in corners:
+                    low = [min(l, m + t) for l, m, t in zip(low, corner, at)]
+                    high = [max(h, m + t) for h, m, t in zip(high, corner, at)]
         return low, high
+
+
+def is_turned(node):
+    return "rotation" in node or "scale" in node
+
+
+def turned(point, node):
+    """Returns a point after the node's rotation and scale."""
+    x, y, z, w = node.get("rotation", (0, 0, 0, 1))
+    a, b, c = (p * s for p, s in zip(point, node.get("scale", (1, 1, 1))))
+    return (a + 2 * (-(y * y + z * z) * a + (x * y - w * z) * b + (x * z + w * y) * c),
+            b + 2 * ((x * y + w * z) * a - (x * x + z * z) * b + (y * z - w * x) * c),
+            c + 2 * ((x * z - w * y) * a + (y * z + w * x) * b - (x * x + y * y) * c))
 
 
 def judge_glb(data):
@@ -109,11 +128,13 @@ def judge_glb(data):
         return broken + ["the list interior_materials is missing"]
     interior = set(figures["interior_materials"])
     seams, volume, unclosed, inverted, inexact = {}, 0.0, 0, 0, 0
-    for mesh, at in glb.fragments():
+    for mesh, at, node in glb.fragments():
         balance, six = {}, 0.0
         for primitive in mesh["primitives"]:
             p = glb.accessor(primitive["attributes"]["POSITION"])
             corner = [(p[3 * k], p[3 * k + 1], p[3 * k + 2]) for k in range(len(p) // 3)]
+            if is_turned(node):
+                corner = [turned(point, node) for point in corner]
             index = glb.accessor(primitive["indices"])
             cut = primitive.get("material") in interior
             for k in range(0, len(index), 3):
@@ -150,6 +171,8 @@ def judge_glb(data):
     # Filled holes and the backs of sheets have the cut faces' material, but no mirror image.
     if unpaired and not solid.get("holes_filled") and not solid.get("sheets_thickened"):
         broken.append(f"{unpaired} interior triangles have no mirror image")
-    if abs(volume - certificate["volume_file"]) > 1e-6 * abs(certificate["volume_file"]):
+    # Vertices of whole instances are up to about eight lattice steps from those that the certificate describes.
+    moved = 8 * max(figures["lattice"]["step"]) * certificate["area_out"] if "instances" in report else 0
+    if abs(volume - certificate["volume_file"]) > 1e-6 * abs(certificate["volume_file"]) + moved:
         broken.append(f"the file contains {volume:.9g} m3, its certificate says {certificate['volume_file']:.9g}")
     return broken

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "common/import/gltf_entries.hpp"
+#include "common/import/obj_lines.hpp"
 
 namespace fracture::bake {
 namespace {
@@ -43,35 +44,6 @@ std::string_view trimmed(std::string_view text) {
   text.remove_prefix(std::min(text.size(), text.find_first_not_of(kSpace)));
   return text.substr(0, text.find_last_not_of(kSpace) + 1);
 }
-
-/// Splits text into lines; a backslash at the end of a line joins it with the next.
-class ObjLines {
- public:
-  explicit ObjLines(std::string_view text) : left_(text) {}
-  bool next(std::string_view& line) {
-    if (left_.empty()) return false;
-    line = physical();
-    if (!line.ends_with('\\')) return true;
-    joined_.clear();
-    while (line.ends_with('\\') && !left_.empty()) {
-      joined_ += line.substr(0, line.size() - 1);
-      line = physical();
-    }
-    joined_ += line;
-    line = joined_;
-    return true;
-  }
-
- private:
-  std::string_view physical() {
-    std::string_view line = left_.substr(0, left_.find('\n'));
-    left_.remove_prefix(std::min(left_.size(), line.size() + 1));
-    if (line.ends_with('\r')) line.remove_suffix(1);
-    return line;
-  }
-  std::string_view left_;
-  std::string joined_;
-};
 
 void read_obj(std::string_view text, Collected& names) {
   ObjLines lines(text);

@@ -1,23 +1,17 @@
 #include "server/bake/plan.hpp"
 
-#include <glob.h>
-
 #include <algorithm>
-#include <cerrno>
 #include <charconv>
 #include <cstdlib>
-#include <cstring>
 #include <filesystem>
-#include <set>
 #include <system_error>
 #include <utility>
 
-#include "common/import/import_input.hpp"
 #include "server/bake/manifest.hpp"
+#include "server/bake/mesh_search.hpp"
 #include "server/bake/output_path.hpp"
 #include "server/bake/picture_paths.hpp"
 #include "server/bake/report.hpp"
-#include "server/bake/result_file.hpp"
 #include "server/bake/safe_places.hpp"
 #include "server/bake/wrong.hpp"
 
@@ -26,100 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool is_mesh_name(const fs::path& path) {
-  const std::string ending = path.extension().string();
-  return ending.size() > 1 && format_from_extension(ending.substr(1)).has_value();
-}
-
-bool is_glob(const std::string& text) { return text.find_first_of("*?[") != std::string::npos; }
-
-/// A mesh found in an input, and the name of its output relative to the output folder.
-struct Found {
-  std::string path;
-  fs::path name;
-};
-
-/// Searches the inputs for meshes and leaves out the results of earlier bakes.
-class Search {
- public:
-  explicit Search(const BakeSource& source) : source_(source) {
-    if (!source.report.empty()) add_results_of_report(source.report, results_);
-  }
-
-  Expected<void> look_into(const std::string& input) {
-    std::error_code error;
-    const std::size_t before = found_.size(), skipped_before = skipped_.size();
-    Expected<void> looked;
-    if (fs::is_directory(input, error))
-      looked = look_into_folder(input);
-    else if (is_glob(input) && !fs::exists(input, error))
-      look_into_glob(input);
-    else
-      found_.push_back({input, fs::path(input).filename()});
-    if (looked && found_.size() == before) {
-      const std::size_t results = skipped_.size() - skipped_before;
-      return wrong("There is no mesh in '" + input + "'" +
-                   (results > 1    ? ", only " + std::to_string(results) + " results of earlier bakes."
-                    : results == 1 ? ", only one result of an earlier bake."
-                                   : "."));
-    }
-    return looked;
-  }
-
-  std::vector<Found> take_found() { return std::move(found_); }
-  std::vector<std::string> take_skipped() { return std::move(skipped_); }
-
- private:
-  Expected<void> look_into_folder(const std::string& folder) {
-    std::vector<Found> meshes;
-    std::error_code error;
-    for (fs::recursive_directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
-      const fs::path& path = at->path();
-      if (at->is_directory(error)) {
-        if (!source_.failures.empty() && identity_of(path.string()) == identity_of(source_.failures))
-          at.disable_recursion_pending();
-      } else if (at->is_regular_file(error)) {
-        if (is_mesh_name(path))
-          meshes.push_back({path.string(), path.lexically_relative(folder)});
-        else if (const std::string name = path.filename().string();
-                 name.starts_with("bake.") && name.ends_with(".ndjson"))
-          add_results_of_report(path.string(), results_);
-      }
-    }
-    if (error) return wrong("The folder '" + folder + "' cannot be read: " + error.message() + ".");
-    for (Found& mesh : meshes) add(std::move(mesh));
-    return {};
-  }
-
-  void look_into_glob(const std::string& pattern) {
-    glob_t matches{};
-    const int result = ::glob(pattern.c_str(), 0, nullptr, &matches);
-    for (std::size_t k = 0; result == 0 && k < matches.gl_pathc; ++k) {
-      const fs::path path = matches.gl_pathv[k];
-      std::error_code error;
-      if (fs::is_regular_file(path, error) && is_mesh_name(path)) add({path.string(), path.filename()});
-    }
-    ::globfree(&matches);
-  }
-
-  void add(Found mesh) {
-    const std::optional<MeshFormat> format =
-        format_from_extension(fs::path(mesh.path).extension().string().substr(1));
-    const bool result = (!results_.empty() && results_.contains(identity_of(mesh.path))) ||
-                        (format && is_result_file(mesh.path, *format));
-    if (result)
-      skipped_.push_back(mesh.path);
-    else
-      found_.push_back(std::move(mesh));
-  }
-
-  const BakeSource& source_;
-  std::set<FileIdentity> results_;  ///< by the reports of earlier bakes
-  std::vector<Found> found_;
-  std::vector<std::string> skipped_;
-};
-
-Expected<std::vector<BakeJob>> jobs_of_inputs(const BakeSource& source, std::vector<std::string>& skipped) {
+Expected<std::vector<BakeJob>> jobs_of_inputs(const BakeSource& source, BakePlan& plan) {
   std::error_code error;
   const bool there = fs::exists(source.output, error),
              file = there && !fs::is_directory(source.output, error);
@@ -128,18 +29,20 @@ Expected<std::vector<BakeJob>> jobs_of_inputs(const BakeSource& source, std::vec
     return wrong("'" + source.output + "' is " + (file ? "not a folder" : "the name of a file") +
                  ": several meshes, or the meshes in a folder, need an output folder (end the name of a new "
                  "folder with '/').");
-  Search search(source);
+  MeshSearch search;
+  if (!source.report.empty()) search.add_report(source.report);
+  if (!source.failures.empty()) search.leave_out(source.failures);
   for (const std::string& input : source.inputs) {
     if (input == kStandardStream)
       return wrong(
           "Standard input ('-') is one mesh and must be the only input: give the name of one file with --output.");
     if (const auto looked = search.look_into(input); !looked) return tl::unexpected(looked.error());
   }
-  skipped = search.take_skipped();
-  std::vector<Found> found = search.take_found();
-  std::sort(found.begin(), found.end(), [](const Found& a, const Found& b) { return a.path < b.path; });
+  plan.skipped = search.skipped();
+  // The first shard reports them for all shards.
+  if (source.shard.index == 0) plan.dangling = search.dangling();
   std::vector<BakeJob> jobs;
-  for (const Found& mesh : found)
+  for (const FoundMesh& mesh : search.found())
     jobs.push_back({mesh.path, (fs::path(source.output) / mesh.name).string() + ".glb", source.parameters});
   return jobs;
 }
@@ -185,8 +88,7 @@ Expected<BakePlan> plan_bake(const BakeSource& given, const ParseParameters& par
     if (source.output.empty())
       return wrong("--output is missing: give a file for one mesh, or a folder for several.");
     const std::string& only = source.inputs.front();
-    plan.single = source.inputs.size() == 1 && !fs::is_directory(only, error) &&
-                  (!is_glob(only) || fs::exists(only, error)) && source.output.back() != '/' &&
+    plan.single = source.inputs.size() == 1 && !stands_for_many(only) && source.output.back() != '/' &&
                   !fs::is_directory(source.output, error);
     if (!plan.single && source.output == kStandardStream)
       return wrong("Standard output ('-') is for the fragments of one mesh: give a folder with --output.");
@@ -210,7 +112,7 @@ Expected<BakePlan> plan_bake(const BakeSource& given, const ParseParameters& par
     plan.jobs.push_back({source.inputs.front(), source.output, source.parameters});
   } else {
     Expected<std::vector<BakeJob>> jobs =
-        source.manifest.empty() ? jobs_of_inputs(source, plan.skipped) : read_manifest(source, faults);
+        source.manifest.empty() ? jobs_of_inputs(source, plan) : read_manifest(source, faults);
     if (!jobs) return tl::unexpected(jobs.error());
     plan.jobs = std::move(*jobs);
   }

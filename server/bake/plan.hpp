@@ -48,11 +48,14 @@ struct BakePlan {
   std::string report;                ///< path; empty: none
   std::string html{};                ///< path of the page; empty: none
   std::vector<std::string> skipped;  ///< paths of results of earlier bakes found in the inputs
+  /// Links without a target in the inputs (mesh_search.hpp); of all shards, in the first one.
+  std::vector<std::string> dangling{};
 };
 
 /// Plans a bake. A folder's mesh sub/barrel.obj becomes <output>/sub/barrel.obj.glb, whatever other meshes
 /// are next to it. Paths in a manifest are relative to its folder. Results of earlier bakes (result_file.hpp)
-/// are skipped in folders and globs, but not if they are named directly.
+/// are skipped in folders and globs, but not if they are named directly. Links to folders are followed
+/// (mesh_search.hpp).
 ///
 /// No file is lost: an output, picture, report, page or depfile of any shard never replaces an input, the
 /// manifest, the rules or another of these files, and --dump-stages writes only new files. With `parse`, the

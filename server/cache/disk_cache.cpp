@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "common/base/descriptor.hpp"
+#include "common/base/paced_write.hpp"
 
 namespace fracture {
 namespace {
@@ -208,7 +209,7 @@ bool DiskCache::write(const std::string& path, std::string_view head, std::span<
   // Without fsync, the rename may reach the disk before the bytes, and a power cut would leave a file of zeros. The checksum
   // would detect that, but the entry would be lost.
   return file && write_all(file.get(), std::as_bytes(std::span(head))) &&
-         write_all(file.get(), std::as_bytes(payload)) && ::fsync(file.get()) == 0;
+         write_paced(file.get(), std::as_bytes(payload)) && ::fsync(file.get()) == 0;
 }
 
 void DiskCache::quarantine(const std::string& key) {

@@ -24,6 +24,7 @@
 #include "server/bake/flip_engine.hpp"
 #include "server/bake/import_workers.hpp"
 #include "server/bake/input_file.hpp"
+#include "server/bake/mesh_search.hpp"
 #include "server/bake/output_path.hpp"
 #include "server/bake/plan.hpp"
 #include "server/bake/preview.hpp"
@@ -218,7 +219,7 @@ std::string title_of(const bake::BakeSource& source) {
 /// Prints the parameters of each job. Makes no outputs and writes no report.
 int explain(const bake::BakePlan& plan, bake::Baker& baker, std::size_t allowed,
             const std::stop_token& stop) {
-  std::size_t refused = 0, unreadable = 0;
+  std::size_t refused = 0, unreadable = plan.dangling.size();
   bake::RuleTally tally(plan.rules);
   for (const bake::BakeJob& job : plan.jobs) {
     if (stop.stop_requested()) return kExitInterrupted;
@@ -269,6 +270,7 @@ int bake(const BakeOptions& options) {
   const Expected<bake::BakePlan> plan = bake::plan_bake(
       source, [&](const std::vector<RawParameter>& given) { return bake::parse_parameters(table, given); });
   if (!plan) return wrong_command_line(plan.error().detail);
+  for (const std::string& link : plan->dangling) say("cannot read " + link + ": " + bake::kDangling);
   FILE* const words = words_of(*plan);
   if (!options.explain && words == stderr && ::isatty(STDOUT_FILENO))
     return wrong_command_line(
@@ -325,7 +327,8 @@ int bake(const BakeOptions& options) {
   run.title = title_of(source);
   run.no_pictures = pictures->none;
   const auto start = std::chrono::steady_clock::now();
-  const bake::RunFigures f = bake::run_bake(*plan, *baker, run, stop.token());
+  bake::RunFigures f = bake::run_bake(*plan, *baker, run, stop.token());
+  f.unreadable += plan->dangling.size();
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
   tell_of(failures);
   if (!options.quiet && f.begun) {

@@ -1,16 +1,18 @@
-// fracture-server inspect: reports what the service would make of a mesh, without fracturing it.
+// fracture-server inspect: reports what the service would make of meshes, without fracturing them.
 #include <cerrno>
 #include <cinttypes>
 #include <cstdio>
 #include <cstring>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <utility>
 #include <variant>
 #include <vector>
 
+#include "common/base/json_text.hpp"
 #include "common/base/printable.hpp"
 #include "common/base/words.hpp"
 #include "common/contacts/contact_report.hpp"
@@ -21,7 +23,10 @@
 #include "server/bake/failure.hpp"
 #include "server/bake/import_workers.hpp"
 #include "server/bake/input_file.hpp"
+#include "server/bake/mesh_search.hpp"
+#include "server/cli/inspect_list.hpp"
 #include "server/cli/options.hpp"
+#include "server/service/control_group.hpp"
 #include "server/service/estimate.hpp"
 #include "server/service/mesh_report.hpp"
 #include "server/service/worker_pool.hpp"
@@ -100,18 +105,130 @@ void print(const std::string& input, const PreparedMesh& mesh, const ForRequest&
     for (const Choice& choice : *choices) std::printf("  choice: %s\n", in_words(choice).c_str());
 }
 
-int refuse(const InspectOptions& options, const Error& error) {
-  if (options.json) {
-    const nlohmann::json report = {{"verdict", "refused"},
-                                   {"error", slug(error.code)},
-                                   {"detail", error.detail},
-                                   {"pointer", error.pointer},
-                                   {"figures", *error.extra}};
-    std::printf("%s\n", report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
-  } else {
-    std::printf("%s: refused: %s\n", options.input.c_str(), printable_lines(bake::to_lines(error)).c_str());
+/// The findings about one file.
+struct Inspected {
+  nlohmann::json report{};  ///< see inspect_list.hpp
+  int exit_code = kExitDone;
+  std::optional<Error> error{};                ///< why the mesh is refused
+  std::shared_ptr<const PreparedMesh> mesh{};  ///< null if it is refused or cannot be read
+  ForRequest asked{};
+};
+
+Inspected refused(const std::string& input, const Error& error) {
+  return {.report = {{"input", input},
+                     {"verdict", "refused"},
+                     {"error", slug(error.code)},
+                     {"detail", error.detail},
+                     {"pointer", error.pointer},
+                     {"figures", *error.extra}},
+          .exit_code = exit_code(error.code),
+          .error = error};
+}
+
+nlohmann::json report_of(const std::string& input, const PreparedMesh& mesh, const ForRequest& asked) {
+  nlohmann::json report = mesh_report(mesh);
+  const Vec3d size = mesh.solid.box.size();
+  report["input"] = input;
+  report["size"] = {size.x, size.y, size.z};
+  report["estimate"] = asked.estimate;
+  for (const std::string& warning : asked.remarks.warnings) report["warnings"].push_back(warning);
+  for (const nlohmann::json& choice : choices_document(asked.choices)) report["choices"].push_back(choice);
+  return report;
+}
+
+/// Inspects meshes with the same parameters and limits.
+class Inspector {
+ public:
+  Inspector(const InspectOptions& options, const ServiceConfig& config,
+            std::unique_ptr<FractureEngine> engine)
+      : options_(options), config_(config), service_(config, std::move(engine)) {}
+
+  /// Must return a value before look_at() is called.
+  Expected<void> parse() {
+    Expected<RequestParameters> parameters = service_.parameters().parse(options_.parameters);
+    if (!parameters) return tl::unexpected<Error>(parameters.error());
+    parameters_ = std::move(*parameters);
+    return {};
   }
-  return exit_code(error.code);
+
+  Inspected look_at(const std::string& path) {
+    std::optional<std::string> bytes = bake::read_bytes(path);
+    if (!bytes)
+      return {.report = {{"input", path}, {"verdict", "unreadable"}, {"detail", std::strerror(errno)}},
+              .exit_code = kExitSystem};
+    const Expected<bake::InputFile> input = bake::to_input(path, std::move(*bytes), parameters_);
+    if (!input) return refused(path, input.error());
+    Execution execution;
+    execution.threads = options_.threads > 0 ? options_.threads : available_cores();
+    const FractureRequest request{input->view(), input->format, parameters_,
+                                  as_import_files(input->siblings)};
+    const auto mesh = service_.prepare(request, execution);
+    if (!mesh) return refused(path, mesh.error());
+    Inspected found{.exit_code = repaired((*mesh)->solid.report) ? kExitRepaired : kExitDone, .mesh = *mesh};
+    found.asked = for_request(**mesh, request, config_.max_bytes_per_job);
+    found.report = report_of(path, **mesh, found.asked);
+    return found;
+  }
+
+ private:
+  const InspectOptions& options_;
+  const ServiceConfig config_;
+  FractureService service_;
+  RequestParameters parameters_;
+};
+
+void complain(const std::string& line) {
+  std::fprintf(stderr, "fracture-server inspect: %s\n", printable_lines(line).c_str());
+}
+
+int print_one(const InspectOptions& options, const std::string& input, const Inspected& found) {
+  if (found.report.at("verdict") == "unreadable")
+    complain("cannot read " + input + ": " + found.report.at("detail").get<std::string>());
+  else if (options.json)
+    std::printf("%s\n", json_text(found.report, 2).c_str());
+  else if (found.error)
+    std::printf("%s: refused: %s\n", input.c_str(), printable_lines(bake::to_lines(*found.error)).c_str());
+  else
+    print(input, *found.mesh, found.asked, found.exit_code == kExitRepaired);
+  return found.exit_code;
+}
+
+/// Prints a line for each mesh, and a summary.
+int inspect_many(const InspectOptions& options, Inspector& inspector) {
+  bake::MeshSearch search;
+  for (const std::string& input : options.inputs) {
+    if (input == bake::kStandardStream) {
+      complain("Standard input ('-') is one mesh and must be the only input.");
+      return kExitUsage;
+    }
+    if (const auto looked = search.look_into(input); !looked) {
+      complain(looked.error().detail);
+      return kExitUsage;
+    }
+  }
+  if (const std::size_t results = search.skipped().size(); results > 0)
+    complain("skipped " + counted(results, "result of an earlier bake", "results of earlier bakes") +
+             ", such as " + search.skipped().front());
+  InspectSummary summary;
+  const auto print_line = [&](const std::string& line) {
+    std::printf("%s\n", line.c_str());
+    std::fflush(stdout);  // so that people see the progress
+  };
+  for (const bake::FoundMesh& mesh : search.found()) {
+    const Inspected found = inspector.look_at(mesh.path);
+    summary.add(found.report, found.exit_code);
+    print_line(options.json ? json_text(found.report) : line_of(found.report));
+  }
+  for (const std::string& link : search.dangling()) {
+    summary.add_dangling(link);
+    complain("cannot read " + link + ": " + bake::kDangling);
+  }
+  if (options.json) {
+    print_line(json_text(nlohmann::json{{"summary", summary.document()}}));
+  } else {
+    for (const std::string& line : summary.lines()) print_line(line);
+  }
+  return summary.exit_code();
 }
 
 }  // namespace
@@ -121,37 +238,20 @@ int inspect(const InspectOptions& options) {
   try {
     engine = make_engine(bake::own_import_workers(1));
   } catch (const std::runtime_error& e) {
-    std::fprintf(stderr, "fracture-server inspect: %s\n", e.what());
+    complain(e.what());
     return kExitSystem;
   }
-  FractureService service(options.service, std::move(engine));
-  Expected<RequestParameters> parameters = service.parameters().parse(options.parameters);
-  if (!parameters) return refuse(options, parameters.error());
-  std::optional<std::string> bytes = bake::read_bytes(options.input);
-  if (!bytes) {
-    std::fprintf(stderr, "fracture-server inspect: cannot read %s: %s\n", options.input.c_str(),
-                 std::strerror(errno));
-    return kExitSystem;
+  // The limits of a bake of one mesh.
+  ServiceConfig config = options.service;
+  config.max_bytes_per_job = options.memory > 0 ? options.memory : available_memory() / 4 * 3;
+  Inspector inspector(options, config, std::move(engine));
+  const bool is_one = options.inputs.size() == 1 && !bake::stands_for_many(options.inputs.front());
+  if (const auto parsed = inspector.parse(); !parsed) {
+    const std::string what = is_one ? options.inputs.front() : std::string("parameters");
+    return print_one(options, what, refused(what, parsed.error()));
   }
-  const Expected<bake::InputFile> input = bake::to_input(options.input, std::move(*bytes), *parameters);
-  if (!input) return refuse(options, input.error());
-  Execution execution;
-  execution.threads = options.threads > 0 ? options.threads : available_cores();
-  const FractureRequest request{input->view(), input->format, *parameters, as_import_files(input->siblings)};
-  const auto mesh = service.prepare(request, execution);
-  if (!mesh) return refuse(options, mesh.error());
-  const bool mended = repaired((*mesh)->solid.report);
-  const ForRequest asked = for_request(**mesh, request, options.service.max_bytes_per_job);
-  if (options.json) {
-    nlohmann::json report = mesh_report(**mesh);
-    report["estimate"] = asked.estimate;
-    for (const std::string& warning : asked.remarks.warnings) report["warnings"].push_back(warning);
-    for (const nlohmann::json& choice : choices_document(asked.choices)) report["choices"].push_back(choice);
-    std::printf("%s\n", report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
-  } else {
-    print(options.input, **mesh, asked, mended);
-  }
-  return mended ? kExitRepaired : kExitDone;
+  if (!is_one) return inspect_many(options, inspector);
+  return print_one(options, options.inputs.front(), inspector.look_at(options.inputs.front()));
 }
 
 }  // namespace fracture::cli

@@ -284,8 +284,18 @@ void add_bake(CLI::App& app, BakeOptions& o) {
 }
 
 void add_inspect(CLI::App& app, InspectOptions& o) {
-  app.add_option("input", o.input, "Mesh file; - is standard input")->required();
-  app.add_flag("--json", o.json, "Print the report as JSON");
+  app.add_option(
+         "input", o.inputs,
+         "Mesh files, folders (with their subfolders), or globs in quotes; - is standard input. For one file: a "
+         "report. Otherwise: a line for each mesh, and a summary by cause")
+      ->type_name("")
+      ->required();
+  app.add_flag(
+      "--json", o.json,
+      "Print the report as JSON; of several meshes, one line for each, then a line with the summary");
+  add_bytes(app, "--memory", o.memory,
+            "Memory for one mesh; default: three quarters of the memory of this machine or its control group",
+            "Options");
   add_threads(app, o.threads, "Computing threads; 0: one per core", "Options");
   add_parameters(app, o.parameters, o.service);
   app.footer(kExitCodesInWords);

@@ -78,10 +78,11 @@ struct BakeOptions {
 };
 
 struct InspectOptions {
-  std::string input;
+  std::vector<std::string> inputs;  ///< files, folders (all meshes below them) and globs
   ServiceConfig service;
   std::vector<RawParameter> parameters;
   int threads = 0;
+  std::uint64_t memory = 0;  ///< bytes for one mesh; 0: three quarters of the available memory
   bool json = false;
 };
 

@@ -1,11 +1,14 @@
 #include "server/import_worker/mesh_codec.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <utility>
+#include <vector>
 
 #include "common/base/json_reader.hpp"
+#include "common/base/utf8.hpp"
 #include "common/import/text_encoding.hpp"
 #include "common/mesh/material_library.hpp"
 #include "server/import_worker/byte_stream.hpp"
@@ -15,7 +18,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::uint32_t kMagic = 0x34524d46;  // "FMR4"; the digit is raised with every change of the layout
+constexpr std::uint32_t kMagic = 0x36524d46;  // "FMR6"; the digit is raised with every change of the layout
 enum Kind : std::uint32_t { kMesh = 1, kError = 2 };
 
 /// Maximum length of an error's text, and maximum number of UV or colour sets. glTF readers support far fewer sets.
@@ -53,6 +56,7 @@ void write_mesh(ByteWriter& out, const Mesh& mesh) {
   out.value(mesh.frame.metres);
   for (const bool flag : {mesh.frame.metres_stated, mesh.frame.z_up, mesh.frame.up_stated})
     out.value<std::uint8_t>(flag);
+  for (int axis = 0; axis < 3; ++axis) out.value(mesh.frame.offset[axis]);
   out.array(mesh.positions);
   out.array(mesh.attributes.normals);
   out.array(mesh.attributes.tangents);
@@ -76,6 +80,14 @@ void write_mesh(ByteWriter& out, const Mesh& mesh) {
     out.value(group.parent);
   }
   out.array(mesh.group_of_node);
+  std::vector<std::uint32_t> meshes;  // two arrays, because MeshInstance has padding
+  std::vector<std::array<Vec3d, 4>> transforms;
+  for (const MeshInstance& instance : mesh.instances) {
+    meshes.push_back(instance.mesh);
+    transforms.push_back({instance.x, instance.y, instance.z, instance.t});
+  }
+  out.array(meshes);
+  out.array(transforms);
   const MaterialLibrary& library = *mesh.library;
   for (const json* list : {&library.materials, &library.textures, &library.samplers}) out.text(dump(*list));
   out.value<std::uint64_t>(library.images.size());
@@ -130,8 +142,8 @@ void check_extras(const std::string& members, const ImportLimits& limits) {
   if (members.empty()) return;
   const auto read = fracture::read_json("{" + members + "}", {limits.max_json_depth + 8, kMaxListBytes});
   require(read && read->value.is_object() && !read->value.empty(), "the extras of a node are not JSON");
-  require(!read->value.contains("fracture") && !read->value.contains("intact"),
-          "the extras of a node are those of an answer");
+  for (const char* own : {"fracture", "intact", "whole"})
+    require(!read->value.contains(own), "the extras of a node are those of an answer");
 }
 
 void read_empty_node(ByteReader& in, const ImportLimits& limits, EmptyNode& node) {
@@ -165,6 +177,8 @@ bool all_finite(const std::vector<T>& values) {
 void check_mesh(const Mesh& mesh, const ImportLimits& limits) {
   const std::size_t wedges = mesh.positions.size(), triangles = mesh.triangles.size();
   require(std::isfinite(mesh.frame.metres) && mesh.frame.metres > 0, "the unit is not a positive length");
+  for (int axis = 0; axis < 3; ++axis)
+    require(std::isfinite(mesh.frame.offset[axis]), "the offset is not finite");
   require(triangles > 0 && triangles <= limits.max_triangles, "the number of triangles is out of range");
   require(wedges < kNoIndex, "there are too many vertices");
   const auto complete = [&](const auto& values) {
@@ -193,6 +207,8 @@ void check_mesh(const Mesh& mesh, const ImportLimits& limits) {
           "the group is not given for every node");
   for (const std::uint32_t group : mesh.group_of_node)
     require(group < mesh.groups.size() || group == kNoIndex, "a node names no group");
+  require(mesh.instances.empty() || mesh.instances.size() == mesh.node_names.size(),
+          "the instance is not given for every node");
   const std::size_t materials = mesh.library->materials.size();
   for (const std::uint32_t slot : mesh.material)
     require(slot < materials || slot == kNoIndex, "a triangle names no material");
@@ -204,6 +220,7 @@ Mesh read_mesh(ByteReader& in, const ImportLimits& limits) {
   mesh.frame.metres_stated = in.value<std::uint8_t>() != 0;
   mesh.frame.z_up = in.value<std::uint8_t>() != 0;
   mesh.frame.up_stated = in.value<std::uint8_t>() != 0;
+  for (int axis = 0; axis < 3; ++axis) mesh.frame.offset[axis] = in.value<double>();
   mesh.positions = in.array<Vec3f>();
   mesh.attributes.normals = in.array<Vec3f>();
   mesh.attributes.tangents = in.array<Vec4f>();
@@ -225,6 +242,13 @@ Mesh read_mesh(ByteReader& in, const ImportLimits& limits) {
     require(is_utf8(group.name), "a text is not UTF-8");
   }
   mesh.group_of_node = in.array<std::uint32_t>();
+  const std::vector<std::uint32_t> meshes = in.array<std::uint32_t>();
+  const std::vector<std::array<Vec3d, 4>> transforms = in.array<std::array<Vec3d, 4>>();
+  require(meshes.size() == transforms.size(), "the transform is not given for every instance");
+  for (std::size_t k = 0; k < meshes.size(); ++k) {
+    const auto& [x, y, z, t] = transforms[k];
+    mesh.instances.push_back({meshes[k], x, y, z, t});
+  }
   MaterialLibrary library;
   library.materials = read_objects(in, limits);
   library.textures = read_objects(in, limits);

@@ -18,9 +18,9 @@ namespace {
 
 constexpr std::chrono::seconds kStartTimeout{20};
 #ifndef FRACTURE_SANITIZED
-/// Enables huge pages. Every worker touches its memory for the first time, and each page costs a fault. Assimp's OBJ reader
-/// alone fills 16 MiB before it reads: 4,096 faults and 5 ms, but only 8 faults and 1 ms with huge pages. The system must
-/// allow them ("madvise" or "always" in /sys/kernel/mm/transparent_hugepage/enabled).
+/// Enables huge pages. Every worker touches its memory for the first time, and each page costs a fault: for 16 MiB, 4,096
+/// faults and 5 ms, but only 8 faults and 1 ms with huge pages. The system must allow them
+/// ("madvise" or "always" in /sys/kernel/mm/transparent_hugepage/enabled).
 constexpr const char* kTunables = "GLIBC_TUNABLES=glibc.malloc.hugetlb=1";
 #endif
 

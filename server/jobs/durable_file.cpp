@@ -8,6 +8,7 @@
 #include <cstdio>
 
 #include "common/base/descriptor.hpp"
+#include "common/base/paced_write.hpp"
 
 namespace fracture {
 namespace {
@@ -21,7 +22,7 @@ bool write_flushed(const std::string& path, std::string_view head,
   const Descriptor file = opened(path, O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW);
   if (!file || !write_all(file.get(), std::as_bytes(std::span(head)))) return false;
   for (const std::span<const std::byte> part : parts)
-    if (!write_all(file.get(), part)) return false;
+    if (!write_paced(file.get(), part)) return false;
   return ::fsync(file.get()) == 0;
 }
 

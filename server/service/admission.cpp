@@ -8,6 +8,7 @@
 #include "common/pipeline/part_sets.hpp"
 #include "common/rough/roughen.hpp"
 #include "server/service/estimate.hpp"
+#include "server/service/estimate_of_hits.hpp"
 
 namespace fracture {
 namespace {
@@ -32,10 +33,10 @@ constexpr double kBytesPerImport = 16u << 20, kBytesPerMeshByte = 20;
 constexpr std::uint64_t kLargeMesh = 1u << 20;
 constexpr double kBytesPerSite = 16u << 10, kBytesPerRequest = 4u << 20;
 
-// Estimates for a hit on a kept answer. kChangedPerSite: cells that are recomputed for each further site. kShareToCopy: time
-// for copying all fragments, as a share of the whole work. If the answer contains only the changes, nothing is copied.
-// kShareToPass and kBytesToPass then count the passes over a few numbers for each fragment.
-constexpr double kChangedPerSite = 2, kShareToCopy = 0.06, kShareToPass = 0.003, kBytesToPass = 128;
+// Estimates for a hit on a kept answer. kPiecesPerSite: pieces for each site if the solid is not known. For 30 sites in 300 cells,
+// estimate_of_hits.hpp gives 3. kShareToCopy: time for copying all fragments, as a share of the whole work. If the answer contains
+// only the changes, nothing is copied. kShareToPass and kBytesToPass then count the passes over a few numbers for each fragment.
+constexpr double kPiecesPerSite = 3, kShareToCopy = 0.06, kShareToPass = 0.003, kBytesToPass = 128;
 
 constexpr double kSecondsPerRoughTriangle = 4e-6, kBytesPerRoughTriangle = 600;
 
@@ -54,11 +55,34 @@ ExpectedWork work(std::uint64_t mesh_bytes, std::uint64_t triangles, double site
                                      kBytesPerSite * sites + kBytesPerRoughTriangle * rough_triangles)};
 }
 
+bool leaves_whole(const FractureParameters& parameters) {
+  return !parameters.hits.empty() && parameters.rest == LocalRest::kWhole;
+}
+
+/// The pieces that hits make, from number `first` on.
+double pieces_of_hits(const FractureParameters& parameters, const Solid* solid, const Selection& selection,
+                      std::size_t first) {
+  if (first >= parameters.hits.size()) return 0;
+  const double cells = cells_per_fragment(parameters);
+  if (solid) {
+    FractureParameters before = parameters;
+    before.hits.clear();
+    const double fragments = leaves_whole(parameters) ? static_cast<double>(solid->parts.size())
+                             : parameters.size.fragments > 0
+                                 ? parameters.size.fragments
+                                 : expected_sites(before, solid, selection) / cells;
+    return cells * expected_of_hits(parameters, *solid, fragments, 0, first).fragments;
+  }
+  double sites = 0;
+  for (std::size_t k = first; k < parameters.hits.size(); ++k) sites += cells * parameters.hits[k].sites;
+  return kPiecesPerSite * sites;
+}
+
 }  // namespace
 
 double expected_sites(const FractureParameters& parameters, const Solid* solid, const Selection& selection) {
-  if (!parameters.assigned
-           .empty()) {  // the sites are shared among the materials, so the one with the most is a bound
+  // The sites are shared among the materials, so the one with the most is a bound.
+  if (!parameters.assigned.empty()) {
     double most = expected_sites(parameters_of_entry(parameters, kNoIndex), solid, selection);
     for (std::uint32_t k = 0; k < parameters.assigned.size(); ++k) {
       FractureParameters entry = parameters_of_entry(parameters, k);
@@ -67,11 +91,14 @@ double expected_sites(const FractureParameters& parameters, const Solid* solid, 
     }
     return most;
   }
-  double sites = solid ? expected_sites(parameters, solid->box) : parameters.sites;
-  sites = std::fmax(sites, sites_for_fragments(parameters));
-  // A cell that is too large gets further sites until its pieces are below the limit. On average they end up at half of it.
-  if (solid && parameters.max_volume > 0)
-    sites = std::fmax(sites, 2 * solid->report.volume / parameters.max_volume);
+  double sites = 1;  // of a solid that is whole until a hit breaks it
+  if (!leaves_whole(parameters)) {
+    sites = solid ? expected_sites(parameters, solid->box) : parameters.sites;
+    sites = std::fmax(sites, sites_for_fragments(parameters));
+    // A cell that is too large gets further sites until its pieces are below the limit. On average they end up at half of it.
+    if (solid && parameters.max_volume > 0)
+      sites = std::fmax(sites, 2 * solid->report.volume / parameters.max_volume);
+  }
   const double cells = cells_per_fragment(parameters);
   for (const LocalImpact& hit : parameters.hits) sites += cells * hit.sites;
   sites = std::fmin(sites, parameters.most_sites);
@@ -102,8 +129,9 @@ ExpectedWork expected_work(const FractureParameters& parameters, std::uint64_t m
   const double sites = expected_sites(parameters, solid, selection);
   if (solid) triangles = solid->triangles.size();
   if (parameters.intact) triangles *= 2;
-  ExpectedWork expected =
-      work(mesh_bytes, triangles, sites, parameters.lloyd, expected_rough_triangles(parameters, sites));
+  ExpectedWork expected = work(mesh_bytes, triangles, sites, leaves_whole(parameters) ? 0 : parameters.lloyd,
+                               expected_rough_triangles(parameters, sites));
+  expected.seconds += kSecondsPerSite * pieces_of_hits(parameters, solid, selection, 0);
   if (solid && !solid->parts.empty()) {
     const double reading = kBytesPerRequest + kBytesPerMeshByte * static_cast<double>(mesh_bytes);
     expected.bytes =
@@ -125,15 +153,13 @@ double expected_further_seconds(const RequestParameters& asked, std::uint64_t me
 ExpectedWork expected_hit_work(const FractureParameters& parameters, const Selection& selection,
                                const Solid* solid) {
   const ExpectedWork whole = expected_work(parameters, 0, solid, 0, selection);
-  double further = 0;
   const std::size_t fresh = selection.new_hits ? selection.new_hits->count : 0;
-  for (std::size_t k = parameters.hits.size() - fresh; k < parameters.hits.size(); ++k)
-    further += 1.0 * cells_per_fragment(parameters) * parameters.hits[k].sites;
+  const double pieces = pieces_of_hits(parameters, solid, selection,
+                                       parameters.hits.size() - std::min(fresh, parameters.hits.size()));
   const bool part = selection.new_hits && selection.new_hits->only_changed;
-  const double changed = kChangedPerSite * further;
   const double seconds =
-      kSecondsPerRequest + kSecondsPerSite * changed + (part ? kShareToPass : kShareToCopy) * whole.seconds;
-  const auto bytes = static_cast<std::uint64_t>(kBytesPerRequest + kBytesPerSite * changed +
+      kSecondsPerRequest + kSecondsPerSite * pieces + (part ? kShareToPass : kShareToCopy) * whole.seconds;
+  const auto bytes = static_cast<std::uint64_t>(kBytesPerRequest + kBytesPerSite * pieces +
                                                 kBytesToPass * expected_sites(parameters, solid, selection));
   return {std::fmin(seconds, whole.seconds), part ? std::min(bytes, whole.bytes) : whole.bytes};
 }

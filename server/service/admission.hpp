@@ -16,8 +16,8 @@ struct ExpectedWork {
   std::uint64_t bytes = 0;  ///< peak memory
 };
 
-/// Returns how many sites the parameters will lead to. Sites added later by local hits, size limits or the refracture of
-/// one fragment are included. The first fracture and the refracture count at most FractureParameters::most_sites each.
+/// Returns how many sites the parameters will lead to. Sites of hits, and those added later by size limits or the refracture of
+/// one fragment, are included. If hits leave the rest whole, the pattern has no sites of its own. The first fracture and the refracture count at most FractureParameters::most_sites each.
 /// For patterns with a given cell size, and for max_volume, the number follows from the box and the volume of `solid`.
 /// Without a solid, when nothing is known about the mesh yet, `sites` is used instead.
 double expected_sites(const FractureParameters& parameters, const Solid* solid,
@@ -46,7 +46,7 @@ ExpectedWork expected_work(const FractureParameters& parameters, std::uint64_t m
 /// Returns further seconds, for walls and detail maps. Walls (`shell`) are made when a mesh is prepared; `mesh_bytes` is 0 if
 /// that is done. The maps of `interior_detail` are made once in each process, for the first answer that uses them.
 double expected_further_seconds(const RequestParameters& asked, std::uint64_t mesh_bytes);
-/// Returns the work of only the new hits. Use it if the answer before them is kept and the hits are local (hits/delta.hpp).
+/// Returns the work of only the new hits. Use it if the answer before them is kept (hits/delta.hpp).
 ExpectedWork expected_hit_work(const FractureParameters& parameters, const Selection& selection,
                                const Solid* solid);
 /// Returns the work of only reading and preparing a mesh.

@@ -77,10 +77,17 @@ std::optional<Error> Dispatcher::fracture(FractureRequest request, const Terms& 
     if (selection.new_hits) {
       const std::shared_ptr<const CutBase> kept = service_.find_diagram(keys);
       const auto* const before = kept ? std::get_if<FracturedBase>(kept.get()) : nullptr;
-      if (!before)
-        work.seconds *= 2;  // the answer before the hits must also be computed
-      else if (before->broken.rest == fracture.rest)
+      const bool
+          continues =  // otherwise, the answer before the hits is only compared with the one after them
+          fracture.rest == LocalRest::kFractured || fracture.hits.size() > selection.new_hits->count;
+      if (before && before->broken.rest == fracture.rest)
         work = expected_hit_work(fracture, selection, solid);
+      else if (!before && !continues) {
+        const ExpectedWork earlier = expected_work(before_hits(fracture, selection.new_hits->count), unread,
+                                                   solid, request.triangles, selection);
+        work.seconds += earlier.seconds;
+        work.bytes = std::max(work.bytes, earlier.bytes);
+      }
     }
     cost = work.seconds + expected_further_seconds(request.parameters, unread);
     bytes = std::max(std::min(work.bytes, working_.most_at_once()), terms.least_bytes);

@@ -3,6 +3,8 @@
 #include <utility>
 
 #include "common/contacts/contacts.hpp"
+#include "common/contacts/scenery.hpp"
+#include "common/hollow/double_walls.hpp"
 #include "server/import_worker/import_pool.hpp"
 #include "server/service/worker_pool.hpp"
 
@@ -28,6 +30,7 @@ class LibraryEngine final : public FractureEngine {
       return make_solid(std::move(mesh), options, execution);
     }();
     if (!solid) return solid;
+    warn_of_double_walls(*solid, execution);
     {
       const StageProgress::Part part(execution.within, kBeforeContacts);
       solid = hollowed(std::move(*solid), hollow, execution);
@@ -35,6 +38,8 @@ class LibraryEngine final : public FractureEngine {
     if (!solid) return solid;
     const StageProgress::Part part(execution.within, 1);
     keep_contacts(*solid, options.contact_gap, execution);
+    keep_instances(*solid, execution);
+    keep_scenery(*solid, options, execution);
     return solid;
   }
   Expected<CutBase> base(const Solid& solid, const FractureParameters& parameters, const Selection& selection,

@@ -9,23 +9,14 @@
 #include "common/base/words.hpp"
 #include "common/gltf/cut_detail.hpp"
 #include "common/mesh/material_library.hpp"
+#include "common/pipeline/broken_solid.hpp"
 #include "common/rough/roughen.hpp"
 #include "server/service/admission.hpp"
+#include "server/service/cell_means.hpp"
+#include "server/service/estimate_of_hits.hpp"
 
 namespace fracture {
 namespace {
-
-// Means for Voronoi cells of random sites (Meijering 1953; Møller 1994, Lectures on Random Voronoi Tessellations). The cells have a
-// volume of 1: the area of the faces per cell, then the length of edges, the vertices and the cells per area of a plane section.
-constexpr double kFaceArea = 2.91, kEdgesOnSection = 2.285, kVerticesOnSection = 2.92,
-                 kCellsOnSection = 1.458;
-constexpr double kTetrahedraPerSite = 6.77, kFacesPerCell = 7.77, kTrianglesPerFace = 3.23;
-// In a wall that is thinner than its cells, these are prisms: three faces of about two triangles for each cell.
-constexpr double kFacesPerPrism = 3, kTrianglesPerPrismFace = 2;
-/// Total length of edges of n equal triangles with a total area of a: 2.28 sqrt(n a).
-constexpr double kEdgesOfTriangles = 2.28;
-/// Lines of lengths l and m in an area a cross 2 l m / (π a) times (Buffon).
-constexpr double kCrossings = 2 / 3.14159265358979;
 
 // Bytes in a GLB, fitted to the answers of estimate_test.cpp.
 constexpr double kBytesPerFile = 3000, kBytesPerFragment = 2650, kBytesPerHull = 1370, kBytesOfIndices = 9,
@@ -35,40 +26,6 @@ constexpr double kBytesPerFile = 3000, kBytesPerFragment = 2650, kBytesPerHull =
 constexpr double kVerticesOfSurface = 0.5, kVerticesOfFlatCuts = 1.8, kVerticesOfRoughCuts = 0.8;
 // Hulls of a fragment of several cells or parts, and of a pattern that merges some cells.
 constexpr double kHullsOfAggregate = 3, kHullsOfMerged = 2;
-// Triangles that are made, relative to those that are left after merging.
-constexpr double kCountedOfMerged = 1.4;
-
-struct Shape {
-  double volume = 0, area = 0, box = 0, triangles = 0;
-  double edges = 0;  ///< m: total length
-  double size = 0;   ///< m: cube root of the largest part's volume
-  double parts = 0;
-};
-
-Shape shape_of(const Solid& solid) {
-  Shape shape;
-  double largest = 0;
-  for (const Part& part : solid.parts) {
-    shape.volume += part.volume;
-    largest = std::fmax(largest, part.volume);
-  }
-  const Vec3d sides = solid.parts.empty() ? Vec3d{} : solid.box.size();
-  shape.box = sides.x * sides.y * sides.z;
-  shape.area = solid.report.area;
-  shape.triangles = static_cast<double>(solid.triangles.size());
-  shape.edges = solid.report.edge_length > 0 ? solid.report.edge_length
-                                             : kEdgesOfTriangles * std::sqrt(shape.triangles * shape.area);
-  shape.size = std::cbrt(largest);
-  shape.parts = static_cast<double>(solid.parts.size());
-  return shape;
-}
-
-/// Surface of a box of volume 1 that is `stretch` times as long as wide, relative to a cube's.
-double surface_of_stretched(double stretch) {
-  const double root = std::cbrt(stretch);
-  return (2 * root + 1 / (root * root)) / 3;
-}
-
 bool divides_the_box(const SitePattern& pattern) {
   return std::holds_alternative<GridPattern>(pattern) || std::holds_alternative<BrickPattern>(pattern) ||
          std::holds_alternative<SlicePattern>(pattern);
@@ -82,10 +39,11 @@ struct Numbers {
   double rough_triangles = 0;  ///< the same, rough
   double counted = 0;          ///< triangles of fragments, before some of these are merged
   double hulls = 0;
+  double hit_bytes = 0;  ///< of memory for all pieces of hits and the largest hit
 };
 
 /// The cells that meet the solid.
-double cells_in(const Shape& shape, double sites, const FractureParameters& p) {
+double cells_in(const SolidShape& shape, double sites, const FractureParameters& p) {
   if (!divides_the_box(p.pattern) || !(shape.box > 0)) return sites;
   const double side = std::cbrt(shape.box / sites);
   const double met = shape.volume / (side * side * side) + 0.5 * shape.area / (side * side);
@@ -100,7 +58,7 @@ struct Section {
 };
 
 /// In a wall that is thinner than a cell, the cells lie next to each other in its plane.
-Section section_of(const Shape& shape, double cells, double longer) {
+Section section_of(const SolidShape& shape, double cells, double longer) {
   Section section;
   section.width = std::fmax(std::cbrt(shape.volume / cells), std::sqrt(shape.area / (2 * cells)));
   const double cut = (cells - 1) / cells;  // a single cell has no cuts
@@ -110,20 +68,21 @@ Section section_of(const Shape& shape, double cells, double longer) {
   return section;
 }
 
+/// The numbers without hits.
 Numbers numbers_of(const FractureParameters& p, const Solid& solid, const Selection& selection) {
   Numbers n;
-  const Shape shape = shape_of(solid);
+  const SolidShape shape = shape_of(solid);
   if (!(shape.volume > 0) || !(shape.area > 0)) return n;
   n.sites = std::fmax(1, expected_sites(p, &solid, selection));
   n.cells = std::fmax(1, cells_in(shape, n.sites, p));
   double group = cells_per_fragment(p);
-  n.fragments = p.size.fragments > 0 && p.hits.empty() ? p.size.fragments : n.cells / group;
+  n.fragments = p.size.fragments > 0 ? p.size.fragments : n.cells / group;
   if (p.size.max_fragments > 0) n.fragments = std::fmin(n.fragments, p.size.max_fragments);
   if (p.parts == Parts::kApart) n.fragments = std::fmax(n.fragments, shape.parts);
   if (std::holds_alternative<BrickPattern>(p.pattern))
     group = std::fmax(1, n.cells / n.fragments);  // lumps of bricks
 
-  const double thickness = 2 * shape.volume / shape.area, longer = surface_of_stretched(p.anisotropy.stretch);
+  const double thickness = shape.thickness(), longer = surface_of_stretched(p.anisotropy.stretch);
   const Section section = section_of(shape, n.cells, longer);
   n.tetrahedra = kTetrahedraPerSite * n.sites;
   // Each crossing cuts a triangle and adds a piece. Triangles inside one cell are not cut.
@@ -160,13 +119,35 @@ Numbers numbers_of(const FractureParameters& p, const Solid& solid, const Select
   return n;
 }
 
+/// The parameters of the answer before the hits. It has one cell if the hits leave the rest whole.
+FractureParameters before_hits_of(const FractureParameters& p, const Solid& solid) {
+  FractureParameters before = before_first_hit(solid, p);
+  if (!p.hits.empty() && p.rest == LocalRest::kWhole) before.sites = 1;
+  return before;
+}
+
+Numbers numbers_with_hits(const FractureParameters& p, const Solid& solid, const Selection& selection) {
+  if (p.hits.empty()) return numbers_of(p, solid, selection);
+  Numbers n = numbers_of(before_hits_of(p, solid), solid, selection);
+  const HitNumbers hits =
+      expected_of_hits(p, solid, n.fragments, n.surface + n.cut_triangles + n.rough_triangles);
+  n.sites += hits.sites;
+  n.fragments += hits.fragments;
+  n.surface += hits.surface;
+  n.cut_triangles += hits.cut_triangles;
+  n.rough_triangles += hits.rough_triangles;
+  n.hulls += hits.hulls;
+  n.hit_bytes = hits.kept_bytes + hits.step_bytes;
+  return n;
+}
+
 double working_bytes_of(const Numbers& n) {
   const auto bytes = [](Product product, double count) {
     return static_cast<double>(bytes_of(product)) * count;
   };
   return bytes(Product::kTetrahedra, n.tetrahedra) + bytes(Product::kPolygons, n.polygons) +
          bytes(Product::kSegments, n.segments) + bytes(Product::kCapTriangles, n.flat_caps + n.rough_caps) +
-         bytes(Product::kFragmentTriangles, n.counted);
+         bytes(Product::kFragmentTriangles, n.counted) + n.hit_bytes;
 }
 
 double file_bytes_of(const Numbers& n, const RequestParameters& asked, const Solid& solid) {
@@ -203,18 +184,25 @@ std::string counting_parameter(const RequestParameters& asked, const Solid& soli
   return p.size.fragments > 0 ? "fragments" : "sites";
 }
 
-void set_count(FractureParameters& parameters, std::uint32_t count) {
+FractureParameters with_count(FractureParameters parameters, std::uint32_t count) {
   parameters.sites = count;
   if (parameters.size.fragments > 0) parameters.size.fragments = count;
+  return parameters;
 }
 
-/// The largest number of sites or fragments whose estimate is at most `limit`, rounded down to two digits; at least 1.
-std::uint32_t largest_count(FractureParameters parameters, const Solid& solid, double limit) {
-  std::uint32_t low = 1, high = std::max(1u, parameters.sites);
+FractureParameters with_sites_of_hits(FractureParameters parameters, std::uint32_t most) {
+  for (LocalImpact& hit : parameters.hits) hit.sites = std::min(hit.sites, most);
+  return parameters;
+}
+
+/// The largest number from 1 to `high` whose request is estimated at `limit` bytes at most, rounded down to two digits; at
+/// least 1. `with`: the request with that number.
+template <class With>
+std::uint32_t largest_count(const With& with, std::uint32_t high, const Solid& solid, double limit) {
+  std::uint32_t low = 1;
   while (low < high) {
     const std::uint32_t middle = low + (high - low + 1) / 2;
-    set_count(parameters, middle);
-    if (expected_working_bytes(parameters, solid) <= limit)
+    if (expected_working_bytes(with(middle), solid) <= limit)
       low = middle;
     else
       high = middle - 1;
@@ -224,17 +212,26 @@ std::uint32_t largest_count(FractureParameters parameters, const Solid& solid, d
   return low / unit * unit;
 }
 
+/// The advice to give each hit fewer cells.
+CostliestParameter fewer_sites_of_hits(const FractureParameters& p, const Solid& solid, double limit) {
+  std::uint32_t most = 1;
+  for (const LocalImpact& hit : p.hits) most = std::max(most, hit.sites);
+  const auto with = [&](std::uint32_t count) { return with_sites_of_hits(p, count); };
+  const std::uint32_t count = largest_count(with, most, solid, limit);
+  return {"local_sites", count, expected_working_bytes(with(count), solid)};
+}
+
 std::string megabytes(double bytes) { return short_number(std::ceil(bytes / 1e6)) + " MB"; }
 
 }  // namespace
 
 double expected_working_bytes(const FractureParameters& parameters, const Solid& solid,
                               const Selection& selection) {
-  return working_bytes_of(numbers_of(parameters, solid, selection));
+  return working_bytes_of(numbers_with_hits(parameters, solid, selection));
 }
 
 ExpectedAnswer expected_answer(const RequestParameters& asked, const Solid& solid) {
-  const Numbers n = numbers_of(asked.fracture, solid, asked.selection);
+  const Numbers n = numbers_with_hits(asked.fracture, solid, asked.selection);
   return {.sites = n.sites,
           .fragments = n.fragments,
           .triangles = n.surface + n.cut_triangles + n.rough_triangles,
@@ -253,12 +250,16 @@ CostliestParameter costliest_parameter(const RequestParameters& asked, const Sol
   if (!(whole > 0)) return {"", nullptr, 0};
   if (whole - flat >= flat - mesh && whole - flat >= mesh) return {"rough_amplitude", 0, flat};
   if (flat - mesh < mesh) return {"", nullptr, mesh};
+  if (!p.hits.empty()) {
+    const double fewest = expected_working_bytes(with_sites_of_hits(smooth, 1), solid);
+    if (flat - fewest >= fewest - mesh && flat - fewest >= mesh) return fewer_sites_of_hits(p, solid, limit);
+    if (p.rest == LocalRest::kWhole) return {"", nullptr, mesh};
+  }
   const std::string name = counting_parameter(asked, solid);
   if (name != "fragments" && name != "sites") return {name, nullptr, mesh};
-  const std::uint32_t count = largest_count(p, solid, limit);
-  FractureParameters fewer = p;
-  set_count(fewer, count);
-  return {name, count, expected_working_bytes(fewer, solid)};
+  const auto with = [&](std::uint32_t count) { return with_count(p, count); };
+  const std::uint32_t count = largest_count(with, std::max(1u, p.sites), solid, limit);
+  return {name, count, expected_working_bytes(with(count), solid)};
 }
 
 std::string advice_for_less_memory(const RequestParameters& asked, const Solid& solid, double limit) {

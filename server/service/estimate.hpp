@@ -19,11 +19,12 @@ struct ExpectedAnswer {
   double sites = 0, fragments = 0;
   double triangles = 0;   ///< of all fragments
   double file_bytes = 0;  ///< of the GLB
-  double working_bytes =
-      0;  ///< of all products, as counted by an Allowance (common/base/product.hpp), without the solid's
+  /// The most that an Allowance counts at once (common/base/product.hpp), without the solid's products.
+  double working_bytes = 0;
 };
 
-/// Estimates the whole answer. Hits and the parts of one fragment count as further sites in it. A solid without parts gives zeros.
+/// Estimates the whole answer. Hits cut the pieces that are there (estimate_of_hits.hpp). The parts of one fragment count as further
+/// sites. A solid without parts gives zeros.
 ExpectedAnswer expected_answer(const RequestParameters& asked, const Solid& solid);
 /// Returns only ExpectedAnswer::working_bytes.
 double expected_working_bytes(const FractureParameters& parameters, const Solid& solid,

@@ -1,6 +1,7 @@
 // Estimates how many bytes of heap the cached values use.
 #include "common/base/heap_bytes.hpp"
 #include "common/base/json_reader.hpp"
+#include "common/contacts/scenery.hpp"
 #include "common/hits/delta.hpp"
 #include "common/mesh/material_library.hpp"
 #include "server/service/service.hpp"
@@ -21,17 +22,20 @@ std::size_t memory_size(const MaterialLibrary& library) {
 }  // namespace
 
 std::size_t memory_size(const Mesh& mesh) {
-  std::size_t bytes = sizeof mesh + heap(mesh.positions) + heap(mesh.attributes.normals) +
-                      heap(mesh.attributes.tangents) + nested_heap(mesh.attributes.uvs) +
-                      nested_heap(mesh.attributes.colors) + heap(mesh.triangles) + heap(mesh.material) +
-                      heap(mesh.node) + heap(mesh.node_names) + heap(mesh.node_extras) +
-                      heap(mesh.empty_nodes) + heap(mesh.groups) + heap(mesh.group_of_node) +
-                      heap(mesh.triangle_color) + heap(mesh.remarks.warnings) + heap(mesh.remarks.notes) +
-                      heap(mesh.dropped) + mesh.copyright.capacity() + memory_size(*mesh.library);
+  std::size_t bytes =
+      sizeof mesh + heap(mesh.positions) + heap(mesh.attributes.normals) + heap(mesh.attributes.tangents) +
+      nested_heap(mesh.attributes.uvs) + nested_heap(mesh.attributes.colors) + heap(mesh.triangles) +
+      heap(mesh.material) + heap(mesh.node) + heap(mesh.node_names) + heap(mesh.node_extras) +
+      heap(mesh.empty_nodes) + heap(mesh.groups) + heap(mesh.group_of_node) + heap(mesh.instances) +
+      heap(mesh.triangle_color) + heap(mesh.remarks.warnings) + heap(mesh.remarks.notes) +
+      heap(mesh.dropped) + mesh.copyright.capacity() + memory_size(*mesh.library);
   for (const Dropped& entry : mesh.dropped)
     bytes += entry.what.capacity() + entry.name.capacity() + entry.reason.capacity();
   for (const EmptyNode& node : mesh.empty_nodes) bytes += node.name.capacity() + node.extras.capacity();
   for (const NodeGroup& group : mesh.groups) bytes += group.name.capacity();
+  for (const GivenHull& hull : mesh.given_hulls)
+    bytes +=
+        sizeof hull + hull.name.capacity() + heap(*hull.owners) + heap(hull.points) + heap(hull.triangles);
   // Both meshes share the library, so it is counted twice. That does no harm.
   if (mesh.passed_through) bytes += memory_size(*mesh.passed_through);
   return bytes;
@@ -52,6 +56,17 @@ std::size_t memory_size(const PreparedMesh& mesh) {
              heap(sheets.triangles) + heap(sheets.wedges) + heap(sheets.material) + heap(sheets.edges) +
              heap(sheets.edge_vertices) + heap(sheets.shell) + heap(sheets.part);
     if (sheets.source && sheets.source != solid.source) bytes += memory_size(*sheets.source);
+  }
+  if (solid.instances) {
+    bytes += sizeof *solid.instances + heap(solid.instances->all) + heap(solid.instances->of_part) +
+             heap(solid.instances->models);
+    for (const Instance& instance : solid.instances->all) bytes += heap(instance.parts);
+  }
+  if (solid.scenery) {
+    const Solid& both = solid.scenery->both;
+    bytes += sizeof both + heap(both.positions) + heap(both.triangles) + heap(both.part) + heap(both.parts) +
+             heap(solid.scenery->node_of_part) + heap(both.contacts->contacts) + heap(both.contacts->pieces) +
+             heap(both.contacts->first_piece);
   }
   if (solid.source) bytes += memory_size(*solid.source);
   return bytes;

@@ -1,12 +1,14 @@
 #include "server/service/service.hpp"
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include "common/base/json_reader.hpp"
 #include "common/parameters/effects.hpp"
 #include "common/parameters/parameter_object.hpp"
 #include "common/pipeline/algorithm_version.hpp"
+#include "common/pipeline/below_root.hpp"
 #include "common/solid/size_check.hpp"
 #include "common/structure/support.hpp"
 #include "server/service/earlier_answer.hpp"
@@ -59,16 +61,44 @@ GltfOptions output_options(const RequestParameters& parameters, const FragmentSe
   return options;
 }
 
-/// Returns the parameters with collision hulls if the request asks for physics or Unreal collision. A hit's answer has no
-/// unbroken mesh.
-FractureParameters with_companions(const RequestParameters& asked) {
-  FractureParameters parameters = asked.fracture;
+/// Returns the parameters for this mesh, with collision hulls if the request asks for physics or Unreal collision. A hit's
+/// answer has no unbroken mesh. Errors: those of below_root().
+Expected<FractureParameters> for_mesh(const RequestParameters& asked, const PreparedMesh& mesh) {
+  Expected<FractureParameters> placed = below_root(asked.fracture, mesh.frame.offset);
+  if (!placed) return placed;
+  FractureParameters& parameters = *placed;
   const bool hulls = asked.physics != Physics::kNone || asked.ue_collision != UeCollision::kNone;
   parameters.hulls = hulls ? Hulls::kConvex : Hulls::kNone;
   parameters.intact = asked.fracture.intact && asked.delta == DeltaAnswer::kNone;
   parameters.filters = asked.physics == Physics::kKhr ? HullFilters::kSystems : HullFilters::kNone;
-  return parameters;
+  return placed;
 }
+
+/// Says what the places in an error about a mesh are relative to. Without an offset, they are those of the file.
+Error relative_to(const Vec3d& offset, Error error) {
+  if (!(offset == Vec3d{}))
+    error.detail +=
+        " All places are relative to " + to_text(offset) + ", because the mesh is far from its origin.";
+  return error;
+}
+
+/// An execution that may hold at most `limit` bytes of memory (0: any number), unless it already has an allowance.
+class Limited {
+ public:
+  Limited(const Execution& execution, std::uint64_t limit) : execution_(execution) {
+    if (execution.allowance || limit == 0) return;
+    execution_.allowance = &allowance_.emplace(0, limit, [limit](std::uint64_t bytes) {
+      return bytes <= limit ? Allowance::Answer::kGranted : Allowance::Answer::kNever;
+    });
+  }
+  Limited(const Limited&) = delete;
+  Limited& operator=(const Limited&) = delete;
+  const Execution& operator*() const { return execution_; }
+
+ private:
+  std::optional<Allowance> allowance_;
+  Execution execution_;
+};
 
 /// Files of printers and measuring machines are in millimetres, unlike those of modelling tools.
 bool is_in_millimetres(MeshFormat format) { return format == MeshFormat::kStl; }
@@ -164,15 +194,8 @@ Expected<FractureAnswer> FractureService::fracture(const FractureRequest& reques
     return answer;
   }
   if (auto failure = find_failure(keys.result)) return tl::unexpected<Error>(std::move(*failure));
-  Execution limited = execution;
-  std::optional<Allowance> allowance;
-  if (!execution.allowance && config_.max_bytes_per_job > 0) {
-    const std::uint64_t limit = config_.max_bytes_per_job;
-    limited.allowance = &allowance.emplace(0, limit, [limit](std::uint64_t bytes) {
-      return bytes <= limit ? Allowance::Answer::kGranted : Allowance::Answer::kNever;
-    });
-  }
-  return fracture(request, keys, limited, std::move(answer));
+  const Limited limited(execution, config_.max_bytes_per_job);
+  return fracture(request, keys, *limited, std::move(answer));
 }
 
 Expected<FractureAnswer> FractureService::fracture(const FractureRequest& request, const RequestKeys& keys,
@@ -209,8 +232,9 @@ Expected<std::shared_ptr<const PreparedMesh>> FractureService::prepare(const Fra
                                                                        const Execution& execution) {
   const RequestKeys keys = keys_of(request);
   if (auto found = find_mesh(keys)) return found;
+  const Limited limited(execution, config_.max_bytes_per_job);
   try {
-    auto made = make_mesh(request, keys, execution);
+    auto made = make_mesh(request, keys, *limited);
     if (!made) return tl::unexpected<Error>(std::move(made.error()));
     return made->value;
   } catch (const Interrupted& interrupted) {
@@ -247,6 +271,7 @@ Expected<Step<PreparedMesh>> FractureService::make_mesh(const FractureRequest& r
     result->frame = *frame;
     if (auto restricted = restrict_to(*mesh, request.parameters.parts); !restricted)
       return tl::unexpected<Error>(std::move(restricted.error()));
+    if (request.parameters.proxies == Proxies::kHulls) take_proxies(*mesh);
   }
   if (execution.progress) execution.progress(Stage::kPrepare, 0);
   {
@@ -256,7 +281,7 @@ Expected<Step<PreparedMesh>> FractureService::make_mesh(const FractureRequest& r
     telling.within = &progress;
     Expected<Solid> made =
         engine_->prepare(std::move(mesh), request.parameters.solid, request.parameters.hollow, telling);
-    if (!made) return tl::unexpected<Error>(std::move(made.error()));
+    if (!made) return tl::unexpected<Error>(relative_to(result->frame.offset, std::move(made.error())));
     result->solid = std::move(*made);
     measure_edges(result->solid, telling);
     SolidReport& report = result->solid.report;
@@ -272,6 +297,8 @@ Expected<Step<CutBase>> FractureService::make_diagram(const PreparedMesh& mesh,
                                                       const FractureRequest& request, const RequestKeys& keys,
                                                       const Execution& execution) {
   if (execution.progress) execution.progress(Stage::kTetrahedralize, 0);
+  const Expected<FractureParameters> parameters = for_mesh(request.parameters, mesh);
+  if (!parameters) return tl::unexpected<Error>(parameters.error());
   Step<CutBase> step;
   std::shared_ptr<const CutBase> base;
   {
@@ -279,8 +306,7 @@ Expected<Step<CutBase>> FractureService::make_diagram(const PreparedMesh& mesh,
     StageProgress progress(Stage::kTetrahedralize, execution.progress);
     Execution telling = execution;
     telling.within = &progress;
-    Expected<CutBase> made =
-        engine_->base(mesh.solid, with_companions(request.parameters), request.parameters.selection, telling);
+    Expected<CutBase> made = engine_->base(mesh.solid, *parameters, request.parameters.selection, telling);
     if (!made)
       return tl::unexpected<Error>(with_advice(std::move(made.error()), request.parameters, mesh.solid));
     base = std::make_shared<const CutBase>(std::move(*made));
@@ -296,7 +322,9 @@ Expected<FracturedSolid> FractureService::make_result(const PreparedMesh& mesh, 
   if (execution.progress) execution.progress(Stage::kClip, 0);
   InteriorLook look = request.parameters.interior;
   look.has_maps = request.parameters.delta == DeltaAnswer::kOnly;
-  const FractureParameters& fracture = request.parameters.fracture;
+  const Expected<FractureParameters> placed = for_mesh(request.parameters, mesh);
+  if (!placed) return tl::unexpected<Error>(placed.error());
+  const FractureParameters& fracture = *placed;
   const std::uint32_t pieces = fracture.size.fragments > 0 ? fracture.size.fragments : fracture.sites;
   const PartOptions parts(request.parameters, mesh.solid, execution);
   auto interior = parts.interior(look, mesh.solid, pieces, execution);
@@ -306,8 +334,7 @@ Expected<FracturedSolid> FractureService::make_result(const PreparedMesh& mesh, 
     StageProgress progress(Stage::kClip, execution.progress);
     Execution telling = execution;
     telling.within = &progress;
-    return engine_->cut(mesh.solid, base, with_companions(request.parameters), request.parameters.selection,
-                        telling);
+    return engine_->cut(mesh.solid, base, fracture, request.parameters.selection, telling);
   }();
   if (!cut) {
     if (cut.error().code == ErrorCode::kUnsound) failures_.add(keys.result, cut.error());

@@ -38,8 +38,10 @@ struct ServiceConfig {
   std::size_t mesh_cache_bytes = 256u << 20;
   std::size_t diagram_cache_bytes = 64u << 20;
   std::size_t result_cache_bytes = 256u << 20;
-  std::uint64_t max_bytes_per_job = 0;  ///< memory that one computation may hold, in bytes; 0: no limit
-  TiersConfig tiers;                    ///< the cache tiers below the result cache
+  /// Memory that one computation may hold, in bytes, if its execution has no allowance; 0: no limit. Readers of meshes
+  /// get a share of it.
+  std::uint64_t max_bytes_per_job = 0;
+  TiersConfig tiers;  ///< the cache tiers below the result cache
 };
 
 /// A mesh that is ready for any number of fractures.

@@ -97,6 +97,7 @@ TEST(Allowance, ForgetsWhatWasTemporary) {
     allowance.add(Product::kSegments, 1000);
   }
   EXPECT_EQ(allowance.bytes(), before);
+  EXPECT_EQ(allowance.most_bytes(), before + 1000 * bytes_of(Product::kSegments));
 }
 
 TEST(Allowance, GivesBackWhatATemporaryTookButNotWhatItBeganWith) {

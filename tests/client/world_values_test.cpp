@@ -208,6 +208,15 @@ TEST(ReadFragments, TakesBodiesHullsAndBondsFromTheFile) {
   EXPECT_EQ(set->restitution, 0.25);
 }
 
+TEST(ReadFragments, AllPlacesAreBelowTheRoot) {
+  GlbParts far = test::two_cubes_glb();
+  far.json["nodes"][0]["translation"] = {500000, 30, 4649776};
+  const auto set = read(far);
+  ASSERT_TRUE(set) << set.error().detail;
+  EXPECT_LT(glm::distance(set->fragments[1].mass.center, glm::dvec3(500001, 30, 4649776)), 1e-8);
+  EXPECT_EQ(set->bonds[0].center, glm::dvec3(500000.5, 30, 4649776));
+}
+
 struct Spoilt {
   const char* name;
   std::function<void(GlbParts&)> spoil;
@@ -290,9 +299,9 @@ INSTANTIATE_TEST_SUITE_P(
         Spoilt{"BondIsNowhere", [](GlbParts& p) { bonds(p).erase("centroid"); }, ErrorCode::kMalformedMesh},
         Spoilt{"BondStrengthNegative", [](GlbParts& p) { bonds(p)["strength"] = {-1.0}; },
                ErrorCode::kMalformedMesh},
-        Spoilt{"ScaledNode",
+        Spoilt{"UnevenlyScaledNode",
                [](GlbParts& p) {
-                 p.json["nodes"][1]["scale"] = {2, 2, 2};
+                 p.json["nodes"][1]["scale"] = {2, 2, 1};
                },
                ErrorCode::kMalformedMesh},
         Spoilt{"RestitutionAboveOne",

@@ -38,7 +38,6 @@ std::vector<std::string> corpus() {
       "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nelement face 1\nproperty list uchar int i\n"
       "end_header\n1\n2\n3\n3 0 1 2\n");
   add(4, "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
-  add(5, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
   return files;
 }
 

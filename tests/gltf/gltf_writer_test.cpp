@@ -230,12 +230,11 @@ TEST(GltfWriter, NormalsAndTangentsWithoutLengthAreMended) {
   EXPECT_EQ(tangents[1], (Vec4f{1, 0, 0, -1}));
 }
 
-TEST(GltfWriter, NamesAreUniqueShortAsciiAndBeginWithTheSourceNode) {
+TEST(GltfWriter, NamesAreUniqueAndBeginWithTheSourceNode) {
   const Glb glb(write_glb(two_halves(), {}));
-  EXPECT_EQ(glb.document["nodes"][1]["name"], "Kiste_____1__0");
-  EXPECT_EQ(glb.document["nodes"][2]["name"], "Kiste_____1__1");
-  EXPECT_EQ(fragment_name(std::string(200, 'x'), 7, 1001).size(), 63u);
-  EXPECT_EQ(fragment_name("", 7, 1001), "mesh_0007");
+  EXPECT_EQ(glb.document["nodes"][1]["name"], "Kiste_\xc3\xa4__1__0");
+  EXPECT_EQ(glb.document["nodes"][2]["name"], "Kiste_\xc3\xa4__1__1");
+  EXPECT_EQ(fragment_name("mesh", 7, 1001), "mesh_0007");
   EXPECT_EQ(fragment_name("a", 0, 1), "a_0");
 }
 

@@ -110,6 +110,9 @@ TEST(ReportText, EachFigureStandsUnderItsName) {
   EXPECT_EQ(report.at("fragment"), json::parse(R"({"id": 77, "volume": 0.25})"));
   EXPECT_EQ(report.at("frame"), json::parse(R"({"metres_per_unit": 0.0254, "unit_from": "request", "up": "z",
                                                 "up_from": "file"})"));
+  FracturedSolid far = with_everything();
+  far.report.frame->offset = {500000, 30, 4649776};
+  EXPECT_EQ(report_of(far).at("frame").at("offset"), json({500000.0, 30.0, 4649776.0}));
   EXPECT_EQ(report.at("hulls"), json::parse(R"({"count": 3, "flat": 2, "simplified": 1, "excess": 1.25})"));
   EXPECT_EQ(report.at("keep"), json::parse(R"({"cells": 5, "share": 0.25})"));
   EXPECT_EQ(report.at("levels"), json({1, 2, 2})) << "two clusters, two fragments";

@@ -147,6 +147,13 @@ void expect_same(const FracturedSolid& a, const FracturedSolid& b) {
     EXPECT_EQ(a.rest->filters.filters, b.rest->filters.filters);
     EXPECT_EQ(a.rest->filters.of_body, b.rest->filters.of_body);
   }
+  for (std::size_t k = 0; k < a.set.fragments.size(); ++k) {
+    const InstancedBodies::Body *x = a.instances.of(k), *y = b.instances.of(k);
+    ASSERT_EQ(x == nullptr, y == nullptr) << k;
+    if (x == nullptr) continue;
+    EXPECT_TRUE(x->rotation == y->rotation && x->scale == y->scale && x->translation == y->translation);
+    EXPECT_EQ(a.instances.numbers[x->shape], b.instances.numbers[y->shape]) << k;
+  }
   expect_same(a.report, b.report);
   EXPECT_EQ(a.point_of_site, b.point_of_site);
   EXPECT_EQ(a.hierarchy.cluster_of_fragment, b.hierarchy.cluster_of_fragment);
@@ -222,6 +229,7 @@ int expect_hits(const Mesh& mesh, const FractureParameters& all, int threads) {
   Expected<Solid> solid = make_solid(std::make_shared<Mesh>(mesh), {}, execution);
   if (!solid) throw std::runtime_error(solid.error().detail);
   keep_contacts(*solid, {}, execution);
+  keep_instances(*solid, execution);
   FractureParameters p = all;
   p.hits.clear();
   Expected<KeptAnswer> last = fracture_and_keep(*solid, p, execution, timings);

@@ -211,6 +211,30 @@ TEST(Delta, WithLimitsOfSizeAndARegionThatStays) {
   });
 }
 
+// A stored answer does not know the hits that follow, so it must not depend on them.
+TEST(Delta, WhereSplittingRunsOutOfSites) {
+  const Mesh mesh = torus(32, 16);
+  FractureParameters p = hits_on(mesh, 10, 0.2);
+  p.max_volume = volume_of(mesh) / 1000;
+  p.most_sites = 60;
+  EXPECT_EQ(expect_hits(mesh, p), 3);
+}
+
+TEST(Delta, StoredAnswersHaveTheSameLimitOfSites) {
+  const Mesh mesh = torus(32, 16);
+  FractureParameters p = hits_on(mesh, 40, 0.2);  // with three hits of 12 sites
+  p.most_sites = 40 + 2 * 12;
+  Execution execution;
+  StageTimings timings;
+  const Solid solid = solid_of(mesh);
+  const auto two = fracture_and_keep(solid, before_hits(p, 1), execution, timings);
+  ASSERT_TRUE(two) << two.error().detail;
+  const auto three = fracture_delta(solid, two->base, p, {1}, execution, timings);
+  ASSERT_FALSE(three) << "the same request from scratch is refused";
+  EXPECT_EQ(three.error().code, ErrorCode::kTooComplex);
+  EXPECT_EQ(three.error().pointer, "local_sites");
+}
+
 // Without hits, the pattern breaks the solid; the first hit that leaves the rest whole does not continue that.
 TEST(Delta, TheFirstHitThatLeavesTheRestWholeStartsFromScratch) {
   const Mesh mesh = torus(32, 16);

@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <map>
 #include <set>
@@ -10,8 +9,8 @@
 #include "common/contacts/contacts.hpp"
 #include "common/hits/delta.hpp"
 #include "common/materials/materials.hpp"
-#include "common/solid/cut_materials.hpp"
 #include "tests/hits/delta_checks.hpp"
+#include "tests/property/changed_surface.hpp"
 #include "tests/property/judge.hpp"
 #include "tests/support/figures.hpp"
 #include "tests/support/fractured.hpp"
@@ -32,28 +31,6 @@ std::map<std::uint64_t, const Fragment*> fragments_by_id(const FragmentSet& set)
   return all;
 }
 
-using Place = std::array<float, 3>;
-Place place_of(const Fragment& f, std::uint32_t v) {
-  const Vec3f& p = f.positions[v];  // Pivot::kSource: in the frame of the mesh
-  return {p.x + 0.0f, p.y + 0.0f, p.z + 0.0f};
-}
-
-/// The farthest vertex that is not at the place of one before. `outside`: only of the outer surface.
-double farthest_new(const FragmentSet& before, const FragmentSet& after, const Vec3d& from, bool outside) {
-  std::set<Place> was;
-  for (const Fragment& f : before.fragments)
-    for (std::uint32_t v = 0; v < f.positions.size(); ++v) was.insert(place_of(f, v));
-  double farthest = 0;
-  for (const Fragment& f : after.fragments)
-    for (const FragmentPrimitive& p : f.primitives) {
-      if (outside && is_of_cuts(p.material)) continue;
-      for (std::uint32_t k = p.first_index; k < p.first_index + p.index_count; ++k)
-        if (!was.contains(place_of(f, f.indices[k])))
-          farthest = std::max(farthest, length(vertex_of(f, f.indices[k]) - from));
-    }
-  return farthest;
-}
-
 /// Checks an answer to one hit against the answer before it.
 void expect_bounded(const Mesh& mesh, const FractureParameters& with_hit) {
   const LocalImpact& hit = with_hit.hits.at(0);
@@ -71,9 +48,9 @@ void expect_bounded(const Mesh& mesh, const FractureParameters& with_hit) {
   expect_partition(after.set, volume_of(mesh), area_of(mesh));
   EXPECT_EQ(after.set.certificate.unmirrored_caps, 0u);
   EXPECT_GT(after.set.fragments.size(), before.set.fragments.size()) << "nothing broke";
-  EXPECT_LE(farthest_new(before.set, after.set, hit.point, true), kStatedReach * hit.radius);
+  EXPECT_LE(farthest_new_vertex(before.set, after.set, hit.point, true), kStatedReach * hit.radius);
   if (!(with.roughness.amplitude > 0)) {  // otherwise, cuts inside move by up to the amplitude
-    EXPECT_LE(farthest_new(before.set, after.set, hit.point, false), kStatedReach * hit.radius);
+    EXPECT_LE(farthest_new_vertex(before.set, after.set, hit.point, false), kStatedReach * hit.radius);
   }
   const auto is = fragments_by_id(after.set);
   for (const Fragment& f : before.set.fragments) {
@@ -244,6 +221,36 @@ TEST(ReachOfHits, BondsAlongEarlierCutsAreDivided) {
   }
   EXPECT_NEAR(across, 1, 1e-6);
   EXPECT_GT(count, 3u);
+}
+
+// The only cell reaches to half the distance of the guards, which are far outside the cube.
+TEST(ReachOfHits, AHitThatCutsNothingSaysSo) {
+  FractureParameters p;
+  p.rest = LocalRest::kWhole;
+  p.hits = {{{0, 1, 0}, 20, 1}};
+  const Fractured made = fracture_mesh(unit_cube(), p);
+  EXPECT_EQ(made.set.fragments.size(), 1u);
+  EXPECT_TRUE(warns(made.report, "Hit 1 cuts nothing"));
+  p.hits = {{{0, 1, 0}, 0.2, 5}};
+  EXPECT_FALSE(warns(fracture_mesh(unit_cube(), p).report, "cuts nothing"));
+}
+
+// A beam that the ball misses by a hundredth of the radius, next to the beam that is hit.
+TEST(ReachOfHits, PartsBetweenTheBallAndTheReachStayWhole) {
+  const double radius = 0.2;
+  const Mesh mesh =
+      joined({box({-0.5, -1, -1}, {0.15, 0, 1}, 4), box({1.01 * radius, -1, -1}, {0.5, 0, 1}, 4)});
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    FractureParameters p;
+    p.rest = LocalRest::kWhole;
+    p.seed = seed;
+    p.hits = {{{0, 0, 0}, radius, 12}};
+    const Fractured made = fracture_mesh(mesh, p);
+    std::map<std::uint32_t, std::size_t> pieces;
+    for (const Fragment& f : made.set.fragments) ++pieces[f.part];
+    EXPECT_GT(pieces[0], 5u);
+    EXPECT_EQ(pieces[1], 1u);
+  }
 }
 
 TEST(ReachOfHits, ALaterHitCutsWhatEarlierOnesMade) {

@@ -2,10 +2,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <set>
-#include <tuple>
-
-#include "common/mesh/material_library.hpp"
 #include "tests/import/make_files.hpp"
 
 namespace fracture::test {
@@ -13,142 +9,10 @@ namespace {
 
 using ::testing::HasSubstr;
 
-// A cube with side 1 as six quads, facing outwards.
-constexpr const char* kCubeObj =
-    "o box\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n"
-    "f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
-
 Mesh import_ok(std::string_view text, MeshFormat format, std::span<const ImportFile> files = {}) {
   Expected<Mesh> mesh = import_text(text, format, {}, files);
   EXPECT_TRUE(mesh) << (mesh ? "" : mesh.error().detail);
   return mesh ? std::move(*mesh) : Mesh{};
-}
-
-TEST(ObjImport, PolygonsBecomeTrianglesInTheFilesOrder) {
-  const Mesh mesh = import_ok(kCubeObj, MeshFormat::kObj);
-  EXPECT_EQ(mesh.triangles.size(), 12u);
-  EXPECT_EQ(mesh.positions.size(), 8u);
-  EXPECT_DOUBLE_EQ(signed_volume(mesh), 1.0);
-  EXPECT_EQ(mesh.node_names, std::vector<std::string>{"box"});
-  EXPECT_TRUE(mesh.attributes.normals.empty());
-  for (std::size_t t = 0; t < 2; ++t)  // the first polygon is the bottom
-    for (const std::uint32_t w : mesh.triangles[t]) EXPECT_EQ(mesh.positions[w].z, 0);
-}
-
-TEST(ObjImport, TextureCoordinatesPointDownAsInGltf) {
-  const Mesh mesh =
-      import_ok("v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0.25\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n", MeshFormat::kObj);
-  ASSERT_EQ(mesh.attributes.uvs.size(), 1u);
-  EXPECT_EQ(mesh.attributes.uvs[0][0], (Vec2f{0, 0.75f}));
-  EXPECT_EQ(mesh.attributes.uvs[0][2], (Vec2f{0, 0}));
-}
-
-TEST(ObjImport, SeamsSplitWedgesButNotPositions) {
-  const Mesh mesh = import_ok(
-      "v 0.1 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nvt 0.5 0.5\nf 1/1 2/2 3/3\nf 3/4 2/2 "
-      "4/4\n",
-      MeshFormat::kObj);
-  EXPECT_EQ(mesh.positions.size(), 5u);
-  std::set<std::tuple<float, float, float>> distinct;
-  for (const Vec3f& p : mesh.positions) distinct.insert({p.x, p.y, p.z});
-  EXPECT_EQ(distinct.size(), 4u);
-}
-
-TEST(ObjImport, MaterialSlotsSurviveWithoutTheMtlAndTakeItsColoursWithIt) {
-  const std::string obj =
-      std::string("mtllib box.mtl\n") +
-      "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nusemtl red\nf 1 3 2\nf 1 2 4\nusemtl blue\nf 1 4 3\nf 2 3 4\n";
-  const std::string mtl = "newmtl red\nKd 1 0 0\nnewmtl blue\nKd 0 0 0.8\nd 0.5\n";
-  const std::vector<ImportFile> files{{"box.mtl", bytes_of(mtl)}};
-  const Mesh with = import_ok(obj, MeshFormat::kObj, files);
-  ASSERT_EQ(with.library->materials.size(), 2u);
-  const auto& blue = with.library->materials[with.material[3]];
-  EXPECT_EQ(blue["name"], "blue");
-  EXPECT_EQ(blue["pbrMetallicRoughness"]["baseColorFactor"], (nlohmann::json{0.0, 0.0, 0.8, 0.5}));
-  EXPECT_EQ(blue["alphaMode"], "BLEND");
-  const Mesh without = import_ok(obj, MeshFormat::kObj);
-  EXPECT_NE(without.material[0], without.material[3]);
-}
-
-TEST(ObjImport, NamesInLatin1BecomeUtf8) {
-  const std::string mtl = "newmtl d\xe4k\nKd 1 0 0\nmap_Kd \xfc.png\n";
-  const std::vector<ImportFile> files{{"a.mtl", bytes_of(mtl)}};
-  std::string obj = kCubeObj;
-  obj.replace(obj.find("o box"), 5, "mtllib a.mtl\no b\xf6x\nusemtl d\xe4k");
-  const Mesh mesh = import_ok(obj, MeshFormat::kObj, files);
-  EXPECT_EQ(mesh.node_names, std::vector<std::string>{"b\xc3\xb6x"});
-  EXPECT_EQ(mesh.library->materials.at(0).at("name"), "d\xc3\xa4k");
-  for (const auto* list : {&mesh.remarks.warnings, &mesh.remarks.notes})
-    for (const std::string& sentence : *list) EXPECT_NO_THROW(nlohmann::json(sentence).dump());
-}
-
-TEST(ObjImport, MtlOutsideTheUploadIsNotOpened) {
-  const Mesh mesh = import_ok(std::string("mtllib /etc/passwd\n") + kCubeObj, MeshFormat::kObj);
-  EXPECT_EQ(mesh.triangles.size(), 12u);
-}
-
-TEST(ObjImport, IndexThatDoesNotExistIsRefused) {
-  EXPECT_FALSE(import_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n", MeshFormat::kObj));
-  EXPECT_FALSE(import_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf -1 -2 -9\n", MeshFormat::kObj));
-}
-
-TEST(ObjImport, NaNIsRefused) {
-  const Expected<Mesh> mesh = import_text("v 0 0 0\nv nan 0 0\nv 0 1 0\nf 1 2 3\n", MeshFormat::kObj);
-  ASSERT_FALSE(mesh);
-  EXPECT_EQ(mesh.error().code, ErrorCode::kNotFinite);
-}
-
-TEST(ObjImport, Utf16WithByteOrderMarkIsRead) {
-  for (const bool big : {false, true}) {
-    std::string wide = big ? "\xfe\xff" : "\xff\xfe";
-    for (const char c : std::string(kCubeObj)) wide += big ? std::string{'\0', c} : std::string{c, '\0'};
-    EXPECT_DOUBLE_EQ(signed_volume(import_ok(wide, MeshFormat::kObj)), 1.0);
-  }
-}
-
-TEST(StlImport, AsciiAndBinarySayTheSame) {
-  const char* ascii =
-      "solid t\nfacet normal 0 0 0\nouter loop\nvertex 0 0 0\nvertex 0 1 0\nvertex 1 0 0\nendloop\nendfacet\n"
-      "facet normal 0 0 0\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 0 1\nendloop\nendfacet\n"
-      "facet normal 0 0 0\nouter loop\nvertex 0 0 0\nvertex 0 0 1\nvertex 0 1 0\nendloop\nendfacet\n"
-      "facet normal 0 0 0\nouter loop\nvertex 1 0 0\nvertex 0 1 0\nvertex 0 0 1\nendloop\nendfacet\nendsolid "
-      "t\n";
-  std::string binary(80, ' ');
-  put<std::uint32_t>(binary, {4});
-  const float corners[4][9] = {{0, 0, 0, 0, 1, 0, 1, 0, 0},
-                               {0, 0, 0, 1, 0, 0, 0, 0, 1},
-                               {0, 0, 0, 0, 0, 1, 0, 1, 0},
-                               {1, 0, 0, 0, 1, 0, 0, 0, 1}};
-  for (const auto& triangle : corners) {
-    put<float>(binary, {0, 0, 0});
-    for (const float c : triangle) put<float>(binary, {c});
-    put<std::uint16_t>(binary, {0});
-  }
-  const Mesh a = import_ok(ascii, MeshFormat::kStl), b = import_ok(binary, MeshFormat::kStl);
-  EXPECT_EQ(a.positions, b.positions);
-  EXPECT_EQ(a.triangles, b.triangles);
-  EXPECT_EQ(a.positions.size(), 4u);  // corners of facets share wedges
-  EXPECT_TRUE(a.attributes.normals.empty());
-  EXPECT_DOUBLE_EQ(signed_volume(a), 1.0 / 6);
-}
-
-TEST(PlyImport, ReadsColoursAndQuads) {
-  const Mesh mesh = import_ok(
-      "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
-      "property uchar red\nproperty uchar green\nproperty uchar blue\nelement face 1\n"
-      "property list uchar int vertex_indices\nend_header\n0 0 0 255 0 0\n1 0 0 0 255 0\n1 1 0 0 0 255\n0 1 "
-      "0 255 255 255\n"
-      "4 0 1 2 3\n",
-      MeshFormat::kPly);
-  EXPECT_EQ(mesh.triangles.size(), 2u);
-  ASSERT_EQ(mesh.attributes.colors.size(), 1u);
-  EXPECT_EQ(mesh.attributes.colors[0][mesh.triangles[0][0]].w, 1);
-}
-
-TEST(OffImport, ReadsPolygons) {
-  const Mesh mesh = import_ok("OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n",
-                              MeshFormat::kOff);
-  EXPECT_DOUBLE_EQ(signed_volume(mesh), 1.0 / 6);
 }
 
 TEST(BlendImport, DamagedZstandardIsRefused) {

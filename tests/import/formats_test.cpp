@@ -62,6 +62,9 @@ TEST(Formats, AreToldFromWhatTheFileBeginsWith) {
   EXPECT_EQ(found("glTF...."), MeshFormat::kGlb);
   EXPECT_EQ(found("ply\r\nformat"), MeshFormat::kPly);
   EXPECT_EQ(found("\n  solid a\n"), MeshFormat::kStl);
+  EXPECT_EQ(found("SOLID A\r\n"), MeshFormat::kStl);
+  for (const char* off : {"OFF\n", "OFF4 4 6", "STCNOFF", "4OFF BINARY\n"})
+    EXPECT_EQ(found(off), MeshFormat::kOff) << off;
   EXPECT_EQ(found("xof 0303txt 0032"), MeshFormat::kX);
   EXPECT_EQ(found({"FORM\0\0\0\20LWO2TAGS", 16}), MeshFormat::kLwo);
   EXPECT_EQ(found({"FORM\0\0\0\20LXOB", 12}), MeshFormat::kLxo);

@@ -174,7 +174,8 @@ TEST(GltfDropped, BonesVariantsAndMorphTargetsAreNamed) {
 
 TEST(GltfDropped, ExtrasOfNodesAreKeptAndOthersAreNamed) {
   Tetrahedron tet;
-  tet.node()["extras"] = {{"hp", 120}, {"loot", "gem \"x\""}, {"fracture", {{"id", 7}}}, {"intact", true}};
+  tet.node()["extras"] = {
+      {"hp", 120}, {"loot", "gem \"x\""}, {"fracture", {{"id", 7}}}, {"intact", true}, {"whole", 1}};
   tet.json["scenes"][0]["extras"] = {{"scene", "?"}};
   tet.json["scenes"][0]["name"] = "Stage";
   tet.json["meshes"][0]["extras"] = {{"mesh", "?"}};

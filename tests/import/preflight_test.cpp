@@ -1,4 +1,4 @@
-// The statements of a file about itself are checked before a foreign parser relies on them.
+// The statements of a file about itself are checked before a parser relies on them.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -51,6 +51,18 @@ TEST(ReferencedFiles, OfObjAreItsLibrariesAndOfThoseTheirTextures) {
               ElementsAre("my parts.mtl", "b.mtl"));
   EXPECT_THAT(textures_of_mtl("newmtl a\nmap_Kd wood grain.png\r\nbump -bm 0.2 tex\\n.png\nKd 1 0 0\n"),
               ElementsAre("wood grain.png", "tex/n.png"));
+  EXPECT_THAT(referenced_files(bytes_of("mtllib a.mtl b c.mtl\rmtllib \\\r\n d.mtl\r"), MeshFormat::kObj),
+              ElementsAre("a.mtl", "b c.mtl", "d.mtl"));
+  EXPECT_THAT(textures_of_mtl("MAP_KD -s 1 1 1 -clamp on wood grain.png\rnorm n.png"),
+              ElementsAre("wood grain.png", "n.png"));
+}
+
+TEST(ReferencedFiles, OfPlyAreTheTexturesInItsComments) {
+  EXPECT_THAT(referenced_files(
+                  bytes_of("ply\r\ncomment TextureFile wood grain.png\r\ncomment no.png\r\n"
+                           "comment  TextureFile ./b.png \r\nend_header\r\ncomment TextureFile no.png\r\n"),
+                  MeshFormat::kPly),
+              ElementsAre("wood grain.png", "b.png"));
 }
 
 TEST(ReferencedFiles, OfFbxAndDaeAreTheirTextures) {

@@ -35,9 +35,26 @@ export function accessor({ json, binary }, index) {
 /** The nodes that are fragments: no other node has an id in extras.fracture. */
 export const fragmentsOf = json => json.nodes.filter(n => n.extras?.fracture?.id !== undefined);
 
+/** Points (x, y, z, x, …) after a node's rotation and uniform scale, which only nodes of whole instances have. */
+export function turned(points, { rotation = [0, 0, 0, 1], scale = [1, 1, 1] }) {
+  const [x, y, z, w] = rotation;
+  if (scale.some(s => s !== scale[0])) throw new Error('the scale of an instance is not uniform');
+  return Float64Array.from(points).map((_, k, all) => {
+    const [a, b, c] = all.subarray(k - k % 3, k - k % 3 + 3);
+    return scale[0] * [(1 - 2 * (y * y + z * z)) * a + 2 * (x * y - w * z) * b + 2 * (x * z + w * y) * c,
+      2 * (x * y + w * z) * a + (1 - 2 * (x * x + z * z)) * b + 2 * (y * z - w * x) * c,
+      2 * (x * z - w * y) * a + 2 * (y * z + w * x) * b + (1 - 2 * (x * x + y * y)) * c][k % 3];
+  });
+}
+
+/** The rotation by `b`, then by `a`. */
+const product = ([x, y, z, w], [a, b, c, d]) =>
+  [w * a + x * d + y * c - z * b, w * b - x * c + y * d + z * a, w * c + x * b - y * a + z * d, w * d - x * a - y * b - z * c];
+
 /**
  * The rigid bodies of KHR_physics_rigid_bodies, as the extension specifies: motion, position, and the points of the convex hulls. The hulls
- * are those of the node's own collider or of its children's (compounds; their transforms must be the identity, which is checked).
+ * are those of the node's own collider or of its children's (compounds; their transforms must be the identity, which is checked). The node
+ * of a whole instance is rotated and scaled; here its points and its motion are, too.
  */
 export function bodiesOf(glb) {
   const { json } = glb, NAME = 'KHR_physics_rigid_bodies';
@@ -51,12 +68,15 @@ export function bodiesOf(glb) {
       if (collider.geometry.convexHull !== true) throw new Error(`${n.name}: not a convex hull`);
       return [collider];
     });
+    const turns = node.rotation || node.scale, { motion } = node.extensions[NAME];
+    const placed = points => turns ? Float32Array.from(turned(points, node)) : points;
     if (filters.size > 1) throw new Error(`${node.name}: several collision filters`);
     const hulls = colliders.map(({ geometry }) => {
       const { attributes, indices } = json.meshes[geometry.mesh].primitives[0];
-      return { points: accessor(glb, attributes.POSITION), triangles: accessor(glb, indices) };
+      return { points: placed(accessor(glb, attributes.POSITION)), triangles: accessor(glb, indices) };
     });
-    return { name: node.name, motion: node.extensions[NAME].motion, translation: node.translation ?? [0, 0, 0], hulls,
+    return { name: node.name, motion: turns ? { ...motion, centerOfMass: [...turned(motion.centerOfMass, node)],
+      inertiaOrientation: product(node.rotation ?? [0, 0, 0, 1], motion.inertiaOrientation) } : motion, translation: node.translation ?? [0, 0, 0], hulls,
       material: json.extensions[NAME].physicsMaterials[colliders[0]?.physicsMaterial], filter: json.extensions[NAME].collisionFilters?.[[...filters][0]], fracture: node.extras.fracture };
   });
 }

@@ -61,7 +61,7 @@ await judgeAll(async bytes => {
   const root = json.nodes.map(n => n.extras?.fracture).find(f => f?.bonds);
   const unpaired = new Map();
   for (const node of fragments) {
-    const { primitives } = json.meshes[node.mesh], stated = node.extras.fracture.volume;
+    const { primitives } = json.meshes[node.mesh], stated = node.extras.fracture.volume / (node.scale?.[0] ?? 1) ** 3;
     const positions = accessor(glb, primitives[0].attributes.POSITION), triangles = [];
     for (const primitive of primitives) {
       const indices = accessor(glb, primitive.indices);

@@ -5,6 +5,8 @@
 
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
 
 #include "tests/support/figures.hpp"
 #include "tests/support/shapes.hpp"
@@ -72,6 +74,24 @@ TEST(Frame, EmptyNodesMoveWithTheMeshAndKeepTheirScale) {
   ASSERT_TRUE(to_metres_y_up(other, {.up = UpAxis::kZ}));
   EXPECT_EQ(other.empty_nodes[0].y, (Vec3d{0, 3, 0}));
   EXPECT_EQ(other.empty_nodes[0].z, (Vec3d{0, 0, 1}));
+}
+
+// (100, 200, 300) cm with z up are 1 m to the right, 3 m up and 2 m away, which is -z.
+TEST(Frame, TheOffsetIsConvertedLikeThePositionsAndStated) {
+  Mesh mesh = cube();
+  const std::size_t notes = mesh.remarks.notes.size();
+  EXPECT_FALSE(nlohmann::json(*to_metres_y_up(mesh, {})).contains("offset")) << "near the origin";
+  EXPECT_EQ(mesh.remarks.notes.size(), notes);
+  mesh = cube();
+  mesh.frame.offset = {100, 200, 300};
+  const auto report = to_metres_y_up(mesh, {.unit = LengthUnit::kCentimetre, .up = UpAxis::kZ});
+  ASSERT_TRUE(report);
+  EXPECT_EQ(report->offset, (Vec3d{1, 3, -2}));
+  EXPECT_EQ(mesh.frame.offset, report->offset);
+  EXPECT_EQ(nlohmann::json(*report).at("offset"), nlohmann::json({1.0, 3.0, -2.0}));
+  ASSERT_EQ(mesh.remarks.notes.size(), notes + 1);
+  EXPECT_NE(mesh.remarks.notes.back().find("(1, 3, -2) m"), std::string::npos) << mesh.remarks.notes.back();
+  EXPECT_EQ(to_text({500000.25, -30, 4649776}), "(500000.25, -30, 4649776)");
 }
 
 TEST(Frame, TheFileIsBelievedUnlessTheRequestSaysOtherwise) {

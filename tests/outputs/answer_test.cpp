@@ -117,9 +117,13 @@ TEST(Answer, WhatContradictsItselfIsRefusedAndSaysWhy) {
       {"no nodes[99]", [](json& d) { d["nodes"][0]["children"][0] = 99; }},
       {"not a tree", [](json& d) { d["nodes"][0]["children"][0] = 0; }},
       {"not a tree", [](json& d) { d["nodes"][0]["children"][1] = 1; }},
-      {"rotation",
+      {"turned or scaled",
        [](json& d) {
-         d["nodes"][1]["rotation"] = {0, 0, 0, 1};
+         d["nodes"][0]["rotation"] = {0, 0, 0, 1};
+       }},
+      {"scaled uniformly",
+       [](json& d) {
+         d["nodes"][1]["scale"] = {1, 2, 1};
        }},
       {"no meshes[7000]", [](json& d) { d["nodes"][1]["mesh"] = 7000; }},
       {"'mesh'", [](json& d) { d["nodes"][1]["mesh"] = -1; }},
@@ -195,6 +199,28 @@ TEST(ToSrgb, IsTheCurveOfTheStandard) {
   EXPECT_NEAR(to_srgb(7), 1, 1e-15);
   EXPECT_NEAR(to_srgb(0.001), 0.01292, 1e-12) << "straight near black";
   EXPECT_NEAR(to_srgb(0.214041), 0.5, 1e-6);
+}
+
+// Floats at the offset are too coarse, so positions stay below the root.
+TEST(Answer, TheOffsetOfTheRootIsStatedAndNotAdded) {
+  FracturedSolid far = two_halves();
+  auto source = std::make_shared<Mesh>(*far.set.source);
+  source->frame.offset = {500000, 30, 4649776};
+  far.set.source = source;
+  const std::vector<std::uint8_t> glb = write_glb(far, {});
+  EXPECT_EQ(Glb(glb).document["nodes"][0]["translation"], json({500000.0, 30.0, 4649776.0}));
+  const KeptAnswer answer = read(glb), near = read(write_glb(two_halves(), {}));
+  EXPECT_EQ(answer.offset, (Vec3d{500000, 30, 4649776}));
+  EXPECT_EQ(near.offset, Vec3d{});
+  EXPECT_EQ(answer.objects[1].place, (Vec3f{1.5f, 0.5f, 0.5f}));
+
+  const std::string line = "# offset (500000, 30, 4649776)\n";
+  std::string obj = obj_of(answer);
+  ASSERT_NE(obj.find(line), std::string::npos);
+  EXPECT_EQ(obj.erase(obj.find(line), line.size()), obj_of(near));
+  EXPECT_NE(ply_of(answer).find("\ncomment offset (500000, 30, 4649776)\n"), std::string::npos);
+  EXPECT_NE(stl_of(answer).substr(0, 80).find("; offset (500000, 30, 4649776)"), std::string::npos);
+  EXPECT_EQ(stl_of(answer).substr(80), stl_of(near).substr(80));
 }
 
 TEST(Answer, HasTheSheetsThatFragmentsCarryAsObjects) {

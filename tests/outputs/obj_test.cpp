@@ -28,7 +28,7 @@ TEST(Obj, HasAnObjectForEachFragmentWhereItWasCutAndNoHulls) {
   EXPECT_EQ(obj.positions.size(), 16u) << "the corners of two cubes, each once";
   for (std::size_t k = 0; k < 2; ++k) {
     const ObjObject& half = obj.objects[k];
-    EXPECT_EQ(half.name, "Kiste_____1__" + std::to_string(k)) << "as its node in the GLB";
+    EXPECT_EQ(half.name, "Kiste_\xc3\xa4__1__" + std::to_string(k)) << "as its node in the GLB";
     EXPECT_EQ(half.triangles.size(), 12u);
     EXPECT_EQ(open_edges(half.triangles), 0u);
     EXPECT_EQ(open_edges(half.v), 0u) << "by the numbers of its vertices, too";

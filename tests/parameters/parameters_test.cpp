@@ -273,7 +273,7 @@ TEST(Parameters, AnOffenderInsideAListIsPointedAt) {
   EXPECT_EQ(pointer("points", "[[0, 0, 0], [1, 2]]", "points"), "/points/1");
   EXPECT_EQ(pointer("points", "[[0, 0, 0], \"1,2,3\"]", "points"), "/points/1");
   EXPECT_EQ(pointer("points", "[]", "points"), "/points");
-  EXPECT_EQ(pointer("impacts", "[0, 2e6, 0]", "impact"), "/impacts/1");
+  EXPECT_EQ(pointer("impacts", "[0, 2e8, 0]", "impact"), "/impacts/1");
   EXPECT_EQ(pointer("axis", "[0, 0, 0]", "radial"), "/axis");
   EXPECT_EQ(pointer("cell", "[1, 0, 1]", "grid"), "/cell/1");
   EXPECT_EQ(pointer("normals", "[[1, 0, 0], [2, 0, 0]]", "slice"), "/normals");
@@ -400,6 +400,13 @@ TEST(Sheets, AreInTheCanonicalFormOnlyIfTheyAreNotTheDefault) {
   EXPECT_EQ(canonical_solid_parameters(*parse_text("sheets", "drop"))["sheets"], "drop");
   EXPECT_FALSE(canonical_solid_parameters(*parse_text("thickness", "0.1")).contains("sheets"));
   EXPECT_EQ(canonical_solid_parameters(*parse_text("sheets", "solid"))["sheets"], "solid");
+}
+
+TEST(Proxies, AreInTheCanonicalFormOnlyIfTheyAreNotTheDefault) {
+  EXPECT_EQ(table().parse({})->proxies, Proxies::kHulls);
+  EXPECT_FALSE(canonical_solid_parameters(*parse_text("proxies", "hulls")).contains("proxies"));
+  EXPECT_EQ(canonical_solid_parameters(*parse_text("proxies", "geometry"))["proxies"], "geometry");
+  EXPECT_FALSE(parse_text("proxies", "none"));
 }
 
 }  // namespace

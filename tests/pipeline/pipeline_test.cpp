@@ -59,6 +59,17 @@ TEST(Pipeline, ManyPassesOfRelaxationHoldNoMoreThanOne) {
   EXPECT_LT(held[1], held[0] + held[0] / 2) << "what a pass makes is gone after it";
 }
 
+// The outer rings of a radial pattern have sites outside the mesh, which must not leave the range of sites.
+TEST(Pipeline, TheLargestMeshHasSitesForRings) {
+  FractureParameters parameters;
+  parameters.sites = 50;
+  parameters.pattern = RadialPattern{};
+  const Solid largest = test::solid_of(test::scaled(test::cube(), {1.99e11, 1.99e11, 1.99e11}));
+  StageTimings timings;
+  const Expected<Diagram> diagram = make_diagram(largest, parameters, {}, timings);
+  EXPECT_TRUE(diagram) << diagram.error().detail;
+}
+
 TEST(Pipeline, DuplicateSitesAreMergedAndReported) {
   const Solid solid = solid_of(cube());
   FractureParameters p;

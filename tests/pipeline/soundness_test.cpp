@@ -154,7 +154,8 @@ TEST(Soundness, ADeltaAloneIsJudgedAsTheWhole) {
   ASSERT_TRUE(hit) << hit.error().detail;
   EXPECT_LT(hit->fractured.set.fragments.size(), 40u);
   EXPECT_EQ(hit->fractured.set.certificate.unmirrored_caps, 0u);
-  EXPECT_NEAR(hit->fractured.set.certificate.area_out, solid->report.area, 1e-9 * solid->report.area);
+  // A hit cuts fragments whose vertices are rounded, so the area changes by about that rounding.
+  EXPECT_NEAR(hit->fractured.set.certificate.area_out, solid->report.area, 1e-7 * solid->report.area);
 
   // If kept data is damaged, the answer is refused.
   FracturedBase damaged = whole->base;

@@ -45,7 +45,7 @@ std::vector<Vec3f> colliding_positions(std::size_t count) {
     bits *= first;
     const Vec3f p{std::bit_cast<float>(static_cast<std::uint32_t>(bits)),
                   std::bit_cast<float>(static_cast<std::uint32_t>(bits >> 32)), 0};
-    if (std::fabs(p.x) <= 1e12f && std::fabs(p.y) <= 1e12f) positions.push_back(p);  // none is NaN
+    if (std::fabs(p.x) <= 1e11f && std::fabs(p.y) <= 1e11f) positions.push_back(p);  // none is NaN
   }
   return positions;
 }

@@ -273,7 +273,8 @@ TEST(KeepRegion, HitsAndLimitsOfVolumeDoNotCutIt) {
   EXPECT_EQ(same, 1u);
   p.rest = LocalRest::kWhole;
   const Fractured around = fracture_mesh(cube(), p);
-  EXPECT_GT(around.set.fragments.size(), 5u);
+  // Cells of the hit that meet the region or the hit's boundary stay with the rest. That leaves few of the 60.
+  EXPECT_GT(around.set.fragments.size(), 3u);
   double broken = 0, largest = 0;
   for (const Fragment& f : around.set.fragments) {
     broken += f.mass.volume;

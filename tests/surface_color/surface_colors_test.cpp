@@ -105,7 +105,8 @@ TEST(SurfaceColors, OfAnImageThatCannotBeReadNothingIsKnown) {
   EXPECT_TRUE(surface_colors(mesh, remarks).empty());
   EXPECT_TRUE(remarks.warnings.empty());
   ASSERT_EQ(remarks.notes.size(), 1u) << "once for each image";
-  EXPECT_NE(remarks.notes[0].find("neither PNG nor JPEG"), std::string::npos);
+  EXPECT_NE(remarks.notes[0].find("neither PNG, JPEG, WebP nor KTX2"), std::string::npos);
+  EXPECT_NE(remarks.notes[0].find("of material 0"), std::string::npos);
   // A triangle without a material next to one with a known colour.
   paint(mesh, png(1, 1, [](int, int) { return std::array{255, 0, 0, 255}; }));
   mesh.material[3] = kNoIndex;

@@ -59,7 +59,7 @@ def add_constraints(scene, answer, objects, collection, factor=1.0):
     for bond in answer.bonds:
         a, b = objects[bond.a], objects[bond.b]
         item = bpy.data.objects.new(f"Bond {a.name} {b.name}"[:63], None)
-        item.location = frame.point_back(bond.centroid)
+        item.location = frame.point_back([own + root for own, root in zip(bond.centroid, answer.offset)])
         item.empty_display_type, item.empty_display_size = "PLAIN_AXES", 0.1 * frame.length_back(bond.area ** 0.5)
         inside.objects.link(item)
         world.constraints.objects.link(item)

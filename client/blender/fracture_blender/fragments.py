@@ -42,7 +42,7 @@ def build(context, answer, written, parent, name):
     objects = {}
     for fragment in answer.fragments:
         item = bpy.data.objects.new(fragment.name, _mesh(fragment.name, fragment.primitives, frame, materials, written))
-        item.location = frame.point_back(fragment.translation)
+        item.location = frame.point_back([own + root for own, root in zip(fragment.translation, answer.offset)])
         for key, value in (("id", str(fragment.id)), ("volume", fragment.volume), ("mass", fragment.mass), ("area", fragment.area),
                            ("anchored", fragment.anchored), ("part", fragment.part), ("level", fragment.level)):
             item[f"fracture_{key}"] = value  # the id is text, because it does not fit into Blender's integers

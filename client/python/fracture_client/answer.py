@@ -14,7 +14,7 @@ from .calls import Cancel
 from .choices import Choice, read_choices
 from .dropped import Dropped, read_dropped
 from .errors import FractureError
-from .fragments import Bond, Delta, Fragment, figures_of, read_bonds, read_fragments
+from .fragments import Bond, Delta, Fragment, Vector, figures_of, read_bonds, read_fragments, root_offset
 from .problems import Reaction, reaction_to
 from .upload import Path, json_text
 
@@ -91,6 +91,12 @@ class Answer:
     def certificate(self) -> Dict[str, Any]:
         """The numbers that prove the answer correct: open edges (0), volumes in and out (m³), number of fragments, …"""
         return self._figures["certificate"]  # type: ignore[no-any-return]
+
+    @property
+    def offset(self) -> Vector:
+        """The place of the root node (m): a place in the file is this plus a place in the answer. (0, 0, 0) unless the mesh is far from
+        its origin."""
+        return root_offset(self._file)
 
     @property
     def fragments(self) -> List[Fragment]:
@@ -188,8 +194,8 @@ class Answer:
         """Hits this answer one or more times. Returns an answer with all fragments; its `delta` lists the changes.
 
         point       centre of the hit in the answer's frame (m, y up): (x, y, z), or a list of such points for several hits
-        radius      reach of the hit (m): one number for all hits, or a list with one per hit
-        sites       number of cells that the hit adds (server default: 30): one number for all hits, or a list with one per hit
+        radius      radius of the hit (m); nothing is cut beyond 1.25 times the radius. One number for all hits, or a list with one per hit
+        sites       number of cells that cut the fragments there (server default: 30): one number for all hits, or a list with one per hit
         timeout     seconds for everything, retries included; None: the client's
         realtime    True: computed before batch work, with the server's short deadline (2 s by default); None: the client's setting
         parameters  `gravity` and `broken`; with delta="none" also parameters that affect neither the mesh nor the cells
@@ -201,6 +207,8 @@ class Answer:
         if self._mesh is None:
             raise FractureError("bad-parameter", "This answer was read from a file, so its mesh is unknown and it cannot be hit. Call "
                                                  "fracture() with the mesh and this answer's `parameters`, and hit that answer.")
+        if any(self.offset):  # parameters have the origin of the file
+            point = _moved(point, self.offset)
         hits: Dict[str, Any] = {"local_point": point, "local_radius": radius, "local_sites": sites}
         wanted = {"delta": "only" if self._can_be_merged() else "stated", **hits, **parameters}
         options: Dict[str, Any] = {"timeout": timeout, "cancel": cancel, "realtime": realtime}
@@ -241,6 +249,13 @@ class Answer:
 
     def __repr__(self) -> str:
         return f"<Answer of {self.certificate.get('fragments')} fragments, {len(self.glb)} bytes>"
+
+
+def _moved(point: Union[Point, Sequence[Point]], offset: Vector) -> Any:
+    """Adds the offset to a point or to each point of a list."""
+    if len(point) > 0 and hasattr(point[0], "__len__"):
+        return [_moved(each, offset) for each in point]  # type: ignore[arg-type]
+    return [float(value) + by for value, by in zip(point, offset)]  # type: ignore[arg-type]
 
 
 def kind_of_file(path: pathlib.Path) -> str:

@@ -6,13 +6,14 @@ from dataclasses import dataclass, field
 from typing import Any, Dict, Iterator, List, Optional, Tuple
 
 from .glb import Array, Glb, as_array, damaged
+from .turn import Turn, turn_of
 
 Vector = Tuple[float, float, float]
 
 
 @dataclass(frozen=True, eq=False)
 class Hull:
-    """A convex collision hull in metres, in the frame of its fragment's node."""
+    """A convex collision hull in metres, relative to its fragment's `translation`."""
 
     points: Array  # (n, 3) float32
     triangles: Array  # (m, 3) uint16: indices into points, counter-clockwise when seen from outside
@@ -31,7 +32,8 @@ class Primitive:
 
 @dataclass(frozen=True, eq=False)
 class Fragment:
-    """A closed fragment. Its geometry is in the frame of its node: a vertex is at `translation` + position (m, y up)."""
+    """A closed fragment: a vertex is at `translation` + position (m, y up). The node of a whole instance (instances=keep) rotates and
+    scales a mesh that other nodes share. Here this is done already, as if the node had only a translation."""
 
     id: int  # a fragment that a hit does not change keeps its id
     name: str  # name of its node
@@ -41,7 +43,7 @@ class Fragment:
     mass: float  # kg
     area: float  # m², of the whole surface
     exterior_area: float  # m², of the faces that belonged to the mesh's surface
-    center_of_mass: Vector  # m, in the frame of the scene
+    center_of_mass: Vector  # m, in the frame of the root node (see Answer.offset)
     inertia_diagonal: Optional[Vector]  # kg m², principal moments about the centre of mass; None without physics=khr
     inertia_orientation: Optional[Tuple[float, float, float, float]]  # quaternion x, y, z, w of the principal axes
     anchored: bool  # True if an anchor holds it, so that it does not fall
@@ -80,7 +82,7 @@ class Bond:
     a: int  # id of a fragment, or of a cluster in a level
     b: int
     area: float  # m²
-    centroid: Vector  # m, in the frame of the scene
+    centroid: Vector  # m, in the frame of the root node (see Answer.offset)
     normal: Vector  # from a to b, unit length; zero if the shared faces have no common plane
     strength: float  # N: the tension at which it breaks
 
@@ -102,6 +104,14 @@ def figures_of(glb: Glb) -> Dict[str, Any]:
         if "certificate" in own:
             return own
     raise damaged("no node has extras.fracture.certificate, but every answer from a fracture server does")
+
+
+def root_offset(glb: Glb) -> "Vector":
+    """Returns the translation of the node with the figures (m); (0, 0, 0) if it has none."""
+    for node in glb.list("nodes"):
+        if "certificate" in extras_of(node):
+            return _vector(node.get("translation", (0, 0, 0)))
+    return (0.0, 0.0, 0.0)
 
 
 def extras_of(node: Dict[str, Any]) -> Dict[str, Any]:
@@ -128,6 +138,9 @@ def _fragment(glb: Glb, index: int, node: Dict[str, Any], own: Dict[str, Any], i
     try:
         motion = _body(node).get("motion", {})
         diagonal, orientation = motion.get("inertiaDiagonal"), motion.get("inertiaOrientation")
+        turn = turn_of(node)
+        if orientation is not None:
+            orientation = _quaternion(orientation) if turn is None else turn.orientation(_quaternion(orientation))
         colliders = [node, *(glb.item("nodes", child) for child in node.get("children", []))]
         meshes = list(dict.fromkeys(mesh for collider in colliders for mesh in _hull_meshes(glb, collider)))
         return Fragment(
@@ -136,14 +149,14 @@ def _fragment(glb: Glb, index: int, node: Dict[str, Any], own: Dict[str, Any], i
             volume=float(own["volume"]), mass=float(own["mass"]), area=float(own["area"]),
             exterior_area=float(own["exterior_area"]), center_of_mass=_vector(own["center_of_mass"]),
             inertia_diagonal=None if diagonal is None else _vector(diagonal),
-            inertia_orientation=None if orientation is None else _quaternion(orientation),
+            inertia_orientation=orientation,
             anchored=bool(own.get("anchored", False)), part=int(own.get("part", 0)),
             parts=tuple(int(part) for part in own.get("parts", (own.get("part", 0),))), level=int(own.get("level", 0)),
             parent=own.get("parent"), sites=tuple(own.get("sites", ())),
             **_collision_filter(glb, colliders),
-            primitives=tuple(_primitive(glb, p, interior) for p in glb.item("meshes", node.get("mesh"))["primitives"]),
-            hulls=tuple(_hull(glb, mesh) for mesh in meshes),
-            sheet=tuple(_primitive(glb, p, interior) for mesh in sheet_meshes(glb, node) for p in glb.item("meshes", mesh)["primitives"]),
+            primitives=tuple(_primitive(glb, p, interior, turn) for p in glb.item("meshes", node.get("mesh"))["primitives"]),
+            hulls=tuple(_hull(glb, mesh, turn) for mesh in meshes),
+            sheet=tuple(_primitive(glb, p, interior, turn) for mesh in sheet_meshes(glb, node) for p in glb.item("meshes", mesh)["primitives"]),
             extras=own)
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         raise damaged(f"the fragment nodes[{index}] cannot be read: {error!r}") from None
@@ -182,15 +195,19 @@ def sheet_meshes(glb: Glb, node: Dict[str, Any]) -> List[int]:
     return [child["mesh"] for child in below if "mesh" in child and not str(child.get("name", "")).startswith("UCX_")]
 
 
-def _hull(glb: Glb, mesh: int) -> Hull:
+def _attribute(glb: Glb, semantic: str, accessor: int, turn: Optional[Turn]) -> Array:
+    return glb.array(accessor) if turn is None else turn.attribute(semantic, *glb.elements(accessor))
+
+
+def _hull(glb: Glb, mesh: int, turn: Optional[Turn]) -> Hull:
     primitive = glb.item("meshes", mesh)["primitives"][0]
-    return Hull(glb.array(primitive["attributes"]["POSITION"]), _triangles(glb, primitive["indices"]))
+    return Hull(_attribute(glb, "POSITION", primitive["attributes"]["POSITION"], turn), _triangles(glb, primitive["indices"]))
 
 
-def _primitive(glb: Glb, primitive: Dict[str, Any], interior: "set[int]") -> Primitive:
+def _primitive(glb: Glb, primitive: Dict[str, Any], interior: "set[int]", turn: Optional[Turn]) -> Primitive:
     index = primitive.get("material")
     name = "" if index is None else str(glb.item("materials", index).get("name", ""))
-    attributes = {semantic: glb.array(accessor) for semantic, accessor in primitive["attributes"].items()}
+    attributes = {semantic: _attribute(glb, semantic, accessor, turn) for semantic, accessor in primitive["attributes"].items()}
     return Primitive(name, index, index in interior, _triangles(glb, primitive["indices"]), attributes)
 
 

@@ -96,7 +96,7 @@ def as_array(data: memoryview, kind: str, width: int, rows: bool = False) -> Arr
     """Returns the bytes as an array of shape (count,) or (count, width). `rows`: two dimensions even if the width is 1."""
     count = len(data) // (BYTES[kind] * width)
     shape = (count, width) if width > 1 or rows else (count,)
-    numpy = _numpy()
+    numpy = numpy_or_none()
     if numpy is not None:
         return numpy.frombuffer(data, dtype=f"<{kind}{BYTES[kind]}" if kind == "f" else f"<{_INTEGERS[kind]}").reshape(shape)
     if sys.byteorder == "big" and BYTES[kind] > 1:  # glTF is little-endian
@@ -109,7 +109,7 @@ def as_array(data: memoryview, kind: str, width: int, rows: bool = False) -> Arr
 _INTEGERS = {"b": "i1", "B": "u1", "h": "i2", "H": "u2", "I": "u4"}
 
 
-def _numpy() -> Any:
+def numpy_or_none() -> Any:
     """Returns the numpy module, or None if it is not installed. Imports it when the first array is
     needed, because the import is slow."""
     if not _NUMPY:

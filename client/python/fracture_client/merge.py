@@ -17,7 +17,7 @@ from .filters import Filter, collision_filters
 from .fragments import extras_of, figures_of, fragment_nodes, sheet_meshes
 from .glb import Glb, damaged, pack
 
-NAME_ROOM = 51  # bytes for a fragment's name; common tools allow 63, and the hulls' names need the rest
+MOST_NAME = 63  # bytes; common tools cut longer names
 KHR, OMI, OMI_SHAPE = "KHR_physics_rigid_bodies", "OMI_physics_body", "OMI_physics_shape"
 
 
@@ -31,6 +31,11 @@ class _Piece:
     @property
     def id(self) -> int:
         return int(self.own["id"])
+
+    @property
+    def shape(self) -> Optional[int]:
+        """The number of the shape that it shares with other instances of a mesh; None if it has a mesh of its own."""
+        return self.own.get("shape")
 
 
 def merge(whole: Glb, delta: Glb) -> bytes:
@@ -48,6 +53,10 @@ def merge(whole: Glb, delta: Glb) -> bytes:
     pairs = _filtered(whole, figures, pieces)
     figures = {**_stated(figures, None), "bonds": _bonds(whole, figures, pieces)}
     figures.pop("filtered", None)
+    held = _whole_bonds(whole, figures, pieces)
+    figures.pop("whole_bonds", None)
+    if held is not None:
+        figures["whole_bonds"] = held
     if pairs:
         figures["filtered"] = {"a": [pieces[a].id for a, _ in pairs], "b": [pieces[b].id for _, b in pairs]}
     buffers = Buffers()
@@ -108,9 +117,18 @@ def _in_order(before: List[_Piece], after: List[_Piece], changed: Set[int]) -> L
 def _rename(pieces: List[_Piece]) -> None:
     """Names each fragment "<node of the mesh>_007". The number makes the name unique and has as many digits as the last one."""
     width = len(str(len(pieces) - 1))
+    sheets = [sheet_meshes(piece.glb, piece.node) for piece in pieces]
+    has_hulls = any(mesh not in own for piece, own in zip(pieces, sheets) for mesh in _hull_meshes(piece))
+    # The names of hulls, colliders and sheets need the rest.
+    room = MOST_NAME - (len("_00_collider") if has_hulls else len("_sheet") if any(sheets) else 0)
     for number, piece in enumerate(pieces):
         base = str(piece.node["name"]).rpartition("_")[0]
-        piece.name = f"{base[:NAME_ROOM - 1 - width]}_{number:0{width}}"
+        piece.name = f"{_cut(base, room - 1 - width)}_{number:0{width}}"
+
+
+def _cut(text: str, size: int) -> str:
+    """Cuts a text to `size` bytes in UTF-8, at the end of a character."""
+    return text.encode("utf-8", "replace")[:size].decode("utf-8", "ignore")
 
 
 def _bonds(whole: Glb, figures: Json, pieces: List[_Piece]) -> Json:
@@ -131,6 +149,20 @@ def _bonds(whole: Glb, figures: Json, pieces: List[_Piece]) -> Json:
     return {column: [row[column] for row in rows] for column in columns}
 
 
+def _whole_bonds(whole: Glb, figures: Json, pieces: List[_Piece]) -> Optional[Json]:
+    """Returns the bonds with uncut nodes: those of unchanged fragments, and those in the delta. None if there are none."""
+    place = {piece.id: k for k, piece in enumerate(pieces)}
+    stay = {piece.id for piece in pieces if piece.glb is whole}
+    before, after = figures_of(whole).get("whole_bonds"), figures.get("whole_bonds")
+    columns = list(after or before or {})
+    rows = [row for row in _rows(before, columns) if row["a"] in stay] if before else []
+    rows += _rows(after, columns) if after else []
+    if any(row["a"] not in place for row in rows):
+        raise damaged("a bond with an uncut node refers to a fragment that does not exist")
+    rows.sort(key=lambda row: (place[row["a"]], row["node"]))
+    return {column: [row[column] for row in rows] for column in columns} if rows else None
+
+
 def _rows(bonds: Json, columns: List[str]) -> List[Json]:
     return [dict(zip(columns, values)) for values in zip(*(bonds[column] for column in columns))]
 
@@ -139,33 +171,45 @@ def _write_scene(document: Json, whole: Glb, pieces: List[_Piece], figures: Json
                  buffers: Buffers) -> None:
     """Writes nodes and meshes in the server's order: the root, the fragments, their child nodes, the uncut nodes."""
     meshes: List[Json] = []
-    for piece in pieces:
+    # Instances of a mesh share its shape and hulls, which follow those of the other fragments. The first instance names them.
+    alone = [piece for piece in pieces if piece.shape is None]
+    first = {piece.shape: piece for piece in reversed(pieces) if piece.shape is not None}
+    shapes = [piece for piece in pieces if first.get(piece.shape) is piece]
+    mesh_of: Dict[int, int] = {}  # by the id of a fragment: index of its mesh
+    for piece in (*alone, *shapes):
+        mesh_of[piece.id] = len(meshes)
         meshes.append({**buffers.add_mesh(piece.glb, piece.node["mesh"]), "name": piece.name})
-    sheets = [sheet_meshes(piece.glb, piece.node) for piece in pieces]
-    hulls = [[mesh for mesh in _hull_meshes(piece) if mesh not in own] for piece, own in zip(pieces, sheets)]
-    hull_number: List[Dict[int, int]] = []  # for each piece: mesh index in its file -> index in the merged file
-    def add(piece: _Piece, old_meshes: List[int]) -> Dict[int, int]:
-        numbers: Dict[int, int] = {}
-        for mesh in old_meshes:
-            numbers[mesh] = len(meshes)
+    first_hull = len(meshes)
+    hulls_of: Dict[int, List[int]] = {}  # by the id of a fragment: indices of its hulls
+    for piece in (*alone, *shapes):
+        for mesh in _hull_meshes(piece):
+            hulls_of.setdefault(piece.id, []).append(len(meshes))
             copied = buffers.add_mesh(piece.glb, mesh)
             meshes.append({**copied, "name": _renamed(copied.get("name", ""), piece)})
-        return numbers
-
-    for piece, old_meshes in zip(pieces, hulls):
-        hull_number.append(add(piece, old_meshes))
-    sheet_number = [add(piece, old_meshes) for piece, old_meshes in zip(pieces, sheets)]
+    hull_number: List[Dict[int, int]] = []  # for each piece: mesh index in its file -> index in the merged file
+    for piece in pieces:
+        holder = piece if piece.shape is None else first[piece.shape]
+        mesh_of[piece.id] = mesh_of[holder.id]
+        hull_number.append(dict(zip(_hull_meshes(piece), hulls_of.get(holder.id, []))))
+    hull_count = len(meshes) - first_hull
+    sheet_number: List[Dict[int, int]] = []  # the same for the sheets, which follow all hulls
+    for piece in pieces:
+        sheet_number.append({})
+        for mesh in sheet_meshes(piece.glb, piece.node):
+            sheet_number[-1][mesh] = len(meshes)
+            copied = buffers.add_mesh(piece.glb, mesh)
+            meshes.append({**copied, "name": _renamed(copied.get("name", ""), piece)})
     numbers: Dict[Filter, int] = {}  # in the order of their first fragments
     filter_of = [None if each is None else numbers.setdefault(each, len(numbers)) for each in filters]
     nodes: List[Json] = [{}]
     children: List[Json] = []
     for k, piece in enumerate(pieces):
-        node = {**copy.deepcopy(piece.node), "name": piece.name, "mesh": k}
+        node = {**copy.deepcopy(piece.node), "name": piece.name, "mesh": mesh_of[piece.id]}
         below = [copy.deepcopy(piece.glb.item("nodes", child)) for child in piece.node.get("children", [])]
         if below:
             node["children"] = [1 + len(pieces) + len(children) + n for n in range(len(below))]
         for held in (node, *below):
-            _refer(held, piece, {**hull_number[k], **sheet_number[k]}, filter_of[k], first_hull=len(pieces))
+            _refer(held, piece, {**hull_number[k], **sheet_number[k]}, filter_of[k], first_hull=first_hull)
         nodes.append(node)
         children += [{**child, "name": _renamed(child.get("name", ""), piece)} for child in below]
     nodes += children
@@ -178,7 +222,7 @@ def _write_scene(document: Json, whole: Glb, pieces: List[_Piece], figures: Json
         nodes.append({**kept, "mesh": len(meshes)})
         meshes.append(buffers.add_mesh(whole, kept["mesh"]))
     nodes[0] = {**_root(whole), "children": [*range(1, 1 + len(pieces)), *passing], "extras": {"fracture": figures}}
-    extensions = _document_extensions(whole, pieces, list(numbers), [mesh for own in hull_number for mesh in own.values()])
+    extensions = _document_extensions(whole, pieces, list(numbers), list(range(first_hull, first_hull + hull_count)))
     if extensions:
         document["extensions"] = extensions
     document["nodes"], document["meshes"] = nodes, meshes
@@ -211,7 +255,8 @@ def _hull_meshes(piece: _Piece) -> List[int]:
             meshes.append(_shapes(piece.glb)[collider["shape"]]["convex"]["mesh"])
         elif node is not piece.node and "mesh" in node:
             meshes.append(node["mesh"])
-    return list(dict.fromkeys(meshes))
+    sheets = sheet_meshes(piece.glb, piece.node)
+    return [mesh for mesh in dict.fromkeys(meshes) if mesh not in sheets]
 
 
 def _shapes(glb: Glb) -> List[Json]:

@@ -1,6 +1,6 @@
 // The fragments that the server returns, with calls to hit them again.
 import { Glb, type Vector3 } from './glb.js';
-import { type Bond, bondsOf, type Dropped, type Figures, figuresOf, type Fragment, fragmentsOf, passedThrough, type Piece } from './fragments.js';
+import { type Bond, bondsOf, type Dropped, type Figures, figuresOf, type Fragment, fragmentsOf, passedThrough, type Piece, rootOf } from './fragments.js';
 import { merge } from './merge.js';
 import type { Choice, FractureOptions, Mesh } from './mesh.js';
 import type { Parameters } from './parameters.js';
@@ -23,7 +23,7 @@ export interface AnswerHead {
 }
 
 export interface HitOptions extends FractureOptions {
-  /** Number of sites that a hit adds: one number for all hits, or one per hit. Default: the server's, 30. */
+  /** Number of cells of a hit, which cut fragments into pieces: one number for all hits, or one per hit. Default: the server's, 30. */
   sites?: number | readonly number[];
   /** Further parameters of a hit: `gravity`, `broken`. */
   parameters?: Parameters;
@@ -90,6 +90,11 @@ export class Answer {
   get choices(): readonly Choice[] {
     return (this.figures.report['choices'] ?? []) as Choice[];
   }
+  /** The place of the root node (m): a place in the file is this plus a place in the answer. [0, 0, 0] unless the mesh is far from its
+   * origin. Renderers and physics engines use floats, so keep such a mesh near the origin there. */
+  get offset(): Vector3 {
+    return rootOf(this.document)?.translation ?? [0, 0, 0];
+  }
   get fragments(): readonly Fragment[] {
     return (this.readFragments ??= fragmentsOf(this.document, this.figures));
   }
@@ -111,12 +116,13 @@ export class Answer {
     return new Blob([this.glb as BlobPart], { type: 'model/gltf-binary' });
   }
 
-  /** Breaks the fragments within `radius` (m) of `point` (m, in the mesh's frame before anything moved). Returns an answer with all
+  /** Breaks the fragments within `radius` (m) of `point` (m, in the fragments' frame before anything moved). Returns an answer with all
    * fragments. Several points are several hits in sequence. The server sends only the changes; the result equals the server's
    * answer with delta=stated. `figures.delta` lists the new, changed and removed ids. The request is realtime by default. Throws FractureError. */
   async hit(point: Vector3 | readonly Vector3[], radius: number | readonly number[], hitOptions: HitOptions = {}): Promise<Answer> {
     const { sites, parameters, ...options } = hitOptions;
-    const points = (typeof point[0] === 'number' ? [point] : point) as readonly Vector3[];
+    const given = (typeof point[0] === 'number' ? [point] : point) as readonly Vector3[], [x, y, z] = this.offset;
+    const points = given.map((place): Vector3 => [place[0] + x, place[1] + y, place[2] + z]);  // parameters have the origin of the file
     const hit: Parameters = { ...parameters, local_point: points, local_radius: radius, local_sites: sites };
     const left = within(options.deadline ?? this.mesh.deadline);
     const ask = (delta: 'only' | 'stated') =>

@@ -2,6 +2,7 @@
 import { type Glb, type GltfNode, type GltfPrimitive, type TypedArray, type Vector3 } from './glb.js';
 import type { CollisionFilter } from './filters.js';
 import { localError } from './problems.js';
+import { turnOf, type Turn } from './turn.js';
 
 /** The bonds as columns of equal length. */
 export interface BondColumns {
@@ -10,7 +11,7 @@ export interface BondColumns {
   b: number[];
   /** m² */
   area: number[];
-  /** m, in the mesh's frame. */
+  /** m, in the frame of the root node (see Answer.offset). */
   centroid: Vector3[];
   /** From a to b, unit length. */
   normal: Vector3[];
@@ -62,6 +63,8 @@ export interface Figures {
     [figure: string]: any;
   };
   bonds: BondColumns;
+  /** Bonds between fragments (ids in `a`) and nodes that stayed whole: `node` is extras.whole.node of the node, and the normal leads to it. */
+  whole_bonds?: Omit<BondColumns, 'b'> & { node: number[] };
   /** Ids of fragments that overlap, so that collision filters exclude the pair. In a delta: pairs with a new or changed fragment. */
   filtered?: { a: number[]; b: number[] };
   /** Indices of the materials of cut faces. */
@@ -80,7 +83,7 @@ export interface Bond {
   b: number;
   /** m² */
   area: number;
-  /** m, in the frame of the mesh. */
+  /** m, in the frame of the root node (see Answer.offset). */
   centroid: Vector3;
   /** From a to b, unit length. */
   normal: Vector3;
@@ -88,7 +91,7 @@ export interface Bond {
   strength: number;
 }
 
-/** A closed convex body around a fragment or part of it, in metres, in the frame of the fragment's node. */
+/** A closed convex body around a fragment or part of it, in metres, relative to the fragment's `translation`. */
 export interface Hull {
   /** x, y, z of each point. */
   positions: Float32Array;
@@ -108,7 +111,7 @@ export interface Primitive {
   triangles: Uint16Array | Uint32Array;
 }
 
-/** The motion properties of a rigid body, in the frame of the fragment's node, which has no rotation. */
+/** The motion properties of a rigid body, relative to the fragment's `translation` and in the directions of the mesh's axes. */
 export interface Motion {
   /** kg */
   mass: number;
@@ -116,16 +119,20 @@ export interface Motion {
   centerOfMass: Vector3;
   /** kg·m², about the centre of mass. */
   inertiaDiagonal: Vector3;
-  /** The rotation from the principal axes to the node's frame: x, y, z, w. */
+  /** The rotation from the principal axes to the mesh's axes: x, y, z, w. */
   inertiaOrientation: [number, number, number, number];
 }
 
 const KHR = 'KHR_physics_rigid_bodies', OMI = 'OMI_physics_body';
 
-/** A drawable part of the answer: a fragment, or a mesh node that was left uncut. */
+/**
+ * A drawable part of the answer: a fragment, or a mesh node that was left uncut. The node of a whole instance rotates and scales a mesh
+ * that other nodes share. Here its vertices, hulls and motion are rotated and scaled already, as if the node had only a translation.
+ */
 export class Piece {
   private readPrimitives: Primitive[] | undefined;
   private readTriangles: Uint16Array | Uint32Array | undefined;
+  private readTurn: [Turn | undefined] | undefined;
 
   constructor(protected readonly glb: Glb, /** Index of its node in the file. */ readonly node: number,
               protected readonly interior: readonly number[]) {}
@@ -136,15 +143,27 @@ export class Piece {
   get name(): string {
     return this.source.name ?? '';
   }
-  /** The node's origin in the frame of the mesh (m). A vertex is at translation + position. */
+  /** The node's origin in the frame of the root node (m). A vertex is at translation + position. */
   get translation(): Vector3 {
     return this.source.translation ?? [0, 0, 0];
   }
+  /** The rotation and scale of a whole instance's node; undefined for all others. rawPrimitives are not rotated and scaled yet. */
+  get turn(): Turn | undefined {
+    return (this.readTurn ??= [turnOf(this.source)])[0];
+  }
   get primitives(): readonly Primitive[] {
-    return (this.readPrimitives ??= this.rawPrimitives.map(primitive => ({
+    if (this.readPrimitives) return this.readPrimitives;
+    const turned = new Map<number, TypedArray>();  // primitives share accessors
+    const read = (name: string, accessor: number): TypedArray => {
+      const turn = this.turn, raw = this.glb.accessor(accessor);
+      if (!turn) return raw;
+      if (!turned.has(accessor)) turned.set(accessor, turn.attribute(name, raw));
+      return turned.get(accessor)!;
+    };
+    return (this.readPrimitives = this.rawPrimitives.map(primitive => ({
       material: primitive.material,
       interior: primitive.material !== undefined && this.interior.includes(primitive.material),
-      attributes: Object.fromEntries(Object.entries(primitive.attributes).map(([name, accessor]) => [name, this.glb.accessor(accessor)])),
+      attributes: Object.fromEntries(Object.entries(primitive.attributes).map(([name, accessor]) => [name, read(name, accessor)])),
       triangles: indicesOf(this.glb, primitive),
     })));
   }
@@ -194,7 +213,7 @@ export class Fragment extends Piece {
   get exteriorArea(): number {
     return this.figures['exterior_area'];
   }
-  /** m, in the frame of the mesh. */
+  /** m, in the frame of the root node (see Answer.offset). */
   get centerOfMass(): Vector3 {
     return this.figures['center_of_mass'];
   }
@@ -224,7 +243,8 @@ export class Fragment extends Piece {
   }
   /** Undefined with physics=none. With physics=omi, the motion has no inertia. */
   get motion(): Motion | undefined {
-    return this.body?.['motion'];
+    const motion = this.body?.['motion'] as Motion | undefined;
+    return motion && this.turn ? this.turn.motion(motion) : motion;
   }
   /** Keeps the fragment from colliding with fragments that it overlaps. Undefined: it collides with all. In a delta, the systems are
    * those of the whole answer after the hit. */
@@ -245,7 +265,7 @@ export class Fragment extends Piece {
       const shape = collider['shape'] as number | undefined;
       const mesh = collider['geometry']?.mesh ?? this.glb.json.extensions?.['OMI_physics_shape']?.shapes[shape ?? -1]?.convex?.mesh;
       return (this.glb.json.meshes?.[mesh]?.primitives ?? []).map(primitive => ({
-        positions: this.glb.accessor(primitive.attributes['POSITION']!) as Float32Array, triangles: indicesOf(this.glb, primitive),
+        positions: this.hullPoints(primitive.attributes['POSITION']!), triangles: indicesOf(this.glb, primitive),
       }));
     }));
   }
@@ -256,6 +276,10 @@ export class Fragment extends Piece {
     return node === undefined ? undefined : new Piece(this.glb, node, this.interior);
   }
 
+  private hullPoints(accessor: number): Float32Array {
+    const raw = this.glb.accessor(accessor);
+    return (this.turn ? this.turn.attribute('POSITION', raw) : raw) as Float32Array;
+  }
   private get body(): Record<string, any> | undefined {
     return this.source.extensions?.[KHR] ?? this.source.extensions?.[OMI];
   }
@@ -298,9 +322,13 @@ function joined(parts: (Uint16Array | Uint32Array)[]): Uint16Array | Uint32Array
 }
 
 /** Reads the data of an answer. Throws FractureError (damaged-answer) for a file that is not from a fracture server. */
+export function rootOf(glb: Glb): GltfNode | undefined {
+  const { nodes, scenes, scene } = glb.json;
+  return nodes?.[scenes?.[scene ?? 0]?.nodes?.[0] ?? 0];
+}
+
 export function figuresOf(glb: Glb): Figures {
-  const { nodes, scenes, scene } = glb.json, root = nodes?.[scenes?.[scene ?? 0]?.nodes?.[0] ?? 0];
-  const figures = root?.extras?.['fracture'] as Figures | undefined;
+  const figures = rootOf(glb)?.extras?.['fracture'] as Figures | undefined;
   if (!figures?.parameters || !figures.certificate || !figures.bonds)
     throw localError('damaged-answer', 'The root node of this GLB has no extras.fracture, so the file is not from a fracture server.');
   return figures;

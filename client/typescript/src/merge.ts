@@ -20,6 +20,28 @@ interface Source {
 
 const KHR = 'KHR_physics_rigid_bodies', OMI = 'OMI_physics_body', SHAPES = 'OMI_physics_shape';
 
+const encoder = new TextEncoder();
+
+/** Cuts a text to `size` bytes in UTF-8, at the end of a character. */
+function cut(text: string, size: number): string {
+  let kept = '';
+  for (const character of text) {
+    size -= encoder.encode(character).length;
+    if (size < 0) break;
+    kept += character;
+  }
+  return kept;
+}
+
+/** Returns the number of bytes for the name of a fragment. The names of its hulls, colliders and sheets, which are longer, have at most
+ *  63 bytes. */
+function nameRoom(sources: Source[]): number {
+  const hasHulls = sources.some(({ glb, node }) => [node, ...(node.children ?? []).map(child => glb.json.nodes![child]!)].some(
+    ({ extensions, name }) => extensions?.[KHR]?.collider || extensions?.[OMI]?.collider || name?.startsWith('UCX_')));
+  if (hasHulls) return 63 - '_00_collider'.length;
+  return sources.some(({ glb, node }) => sheetNodeOf(glb, node) !== undefined) ? 63 - '_sheet'.length : 63;
+}
+
 const fractureOf = (node: GltfNode): Record<string, any> | undefined => node.extras?.['fracture'];
 
 /** Returns the merged GLB. Undefined if it would not match the certificate; the caller must then request the whole answer. */
@@ -34,7 +56,8 @@ export function merge(before: Glb, changes: Glb): Uint8Array | undefined {
   if (sources.length !== now.certificate.fragments || ids.size !== sources.length) return undefined;
   const order = (a: Source, b: Source) => a.figures['sites'][0] - b.figures['sites'][0] || a.figures['part'] - b.figures['part'];
   sources.sort(order);  // stable: kept pieces stay before new ones of the same cell and part
-  return write(before, changes, now, sources, bondsOfWhole(was.bonds, now.bonds, sources, left),
+  const figures = withWholeBonds(now, was, sources, left);
+  return write(before, changes, figures, sources, bondsOfWhole(was.bonds, now.bonds, sources, left),
     pairsOfWhole(was.filtered, now.filtered, sources, left));
 }
 
@@ -43,6 +66,18 @@ function sourcesOf(glb: Glb): Source[] {
     const figures = fractureOf(node);
     return figures?.['id'] === undefined ? [] : [{ glb, node, figures }];
   });
+}
+
+/** Returns the hull meshes of a fragment in the order of the nodes that refer to them, without duplicates. Its sheets are none. */
+function hullsOf({ glb, node }: Source): number[] {
+  const sheet = sheetNodeOf(glb, node);
+  const nodes = [node, ...(node.children ?? []).filter(child => child !== sheet).map(child => glb.json.nodes![child]!)];
+  return [...new Set(nodes.flatMap(held => {
+    const khr = held.extensions?.[KHR]?.collider?.geometry?.mesh as number | undefined, omi = held.extensions?.[OMI]?.collider?.shape as number | undefined;
+    const drawn = held === node ? undefined : held.mesh;  // a hull for Unreal
+    const mesh = khr ?? (omi === undefined ? drawn : glb.json.extensions![SHAPES].shapes[omi].convex.mesh as number);
+    return mesh === undefined ? [] : [mesh];
+  }))];
 }
 
 /** Returns all bonds, sorted. Each goes from the earlier fragment to the later one. */
@@ -68,6 +103,17 @@ function bondsOfWhole(was: BondColumns, now: BondColumns, sources: Source[], lef
   };
 }
 
+/** Returns the figures with the bonds between all fragments and uncut nodes. */
+function withWholeBonds({ whole_bonds: now, ...figures }: Figures, was: Figures, sources: Source[], left: ReadonlySet<number>): Figures {
+  const place = new Map(sources.map(({ figures: { id } }, k) => [id as number, k])), before = was.whole_bonds;
+  const rows = [before, now].flatMap(bonds => (bonds?.a ?? []).flatMap((id, k) => (bonds === before && left.has(id) ? [] : [{ bonds: bonds!, k, id }])));
+  rows.sort((x, y) => place.get(x.id)! - place.get(y.id)! || x.bonds.node[x.k]! - y.bonds.node[y.k]!);
+  if (rows.length === 0) return figures as Figures;
+  const column = (name: keyof NonNullable<typeof now>) => rows.map(({ bonds, k }) => (bonds[name] as unknown[])[k]);
+  const names = ['a', 'node', 'area', 'centroid', 'normal', 'strength'] as const;
+  return { ...figures, whole_bonds: Object.fromEntries(names.map(name => [name, column(name)])) } as unknown as Figures;
+}
+
 type Pairs = { a: number[]; b: number[] };
 
 /** Returns the pairs of fragments that must not collide, sorted, as indices. */
@@ -88,8 +134,8 @@ function withPairs({ filtered: _, ...figures }: Figures, pairs: [number, number]
 }
 
 function write(before: Glb, changes: Glb, now: Figures, sources: Source[], bonds: BondColumns, pairs: [number, number][]): Uint8Array {
-  const width = String(sources.length - 1).length;
-  const nameOf = (name: string, k: number) => `${name.replace(/_\d+$/, '').slice(0, 62 - width)}_${String(k).padStart(width, '0')}`;
+  const width = String(sources.length - 1).length, room = nameRoom(sources) - 1 - width;
+  const nameOf = (name: string, k: number) => `${cut(name.replace(/_\d+$/, ''), room)}_${String(k).padStart(width, '0')}`;
   const copier = new MeshCopier(), numbers = new Map<string, number>(), listed: object[] = [];
   const filters = collisionFilters(sources.length, pairs).map(filter => {  // numbered in the order of their first fragments
     if (!filter) return undefined;
@@ -98,17 +144,34 @@ function write(before: Glb, changes: Glb, now: Figures, sources: Source[], bonds
       ...(excluded.length > 0 ? { notCollideWithSystems: excluded } : {}) }) - 1);
     return numbers.get(key);
   });
-  const fragmentNodes: GltfNode[] = [], childNodes: GltfNode[] = [], hulls: { glb: Glb; mesh: GltfMesh }[] = [], shapes: unknown[] = [];
-  const meshes: GltfMesh[] = [], sheets: { glb: Glb; node: GltfNode; mesh: GltfMesh }[] = [];
+  const fragmentNodes: GltfNode[] = [], childNodes: GltfNode[] = [], shapes: unknown[] = [];
+  // Meshes: those of the fragments, the shapes that instances share, the hulls of both, then the sheets.
+  const meshes: GltfMesh[] = [], hulls: { glb: Glb; mesh: GltfMesh }[] = [];
+  const sheets: { glb: Glb; node: GltfNode; mesh: GltfMesh }[] = [];
+  const firstOfShape: typeof hulls = [], sharedHulls: typeof hulls = [];
+  const alone = sources.filter(({ figures }) => figures['shape'] === undefined);
+  const meshOfShape = new Map<number, number>(), hullsOfShape = new Map<number, Map<number, number>>();
+  for (const { figures: { shape } } of sources)
+    if (shape !== undefined && !meshOfShape.has(shape)) meshOfShape.set(shape, alone.length + meshOfShape.size);
+  const firstHull = alone.length + meshOfShape.size, firstSharedHull = firstHull + alone.reduce((sum, source) => sum + hullsOf(source).length, 0);
 
-  sources.forEach(({ glb, node }, k) => {
+  sources.forEach((source, k) => {
+    const { glb, node, figures } = source, shape = figures['shape'] as number | undefined;
     const name = nameOf(node.name ?? '', k), rename = (text: string | undefined) => text?.replace(node.name ?? '', name);
+    const isFirst = shape !== undefined && !hullsOfShape.has(shape);
+    if (isFirst) hullsOfShape.set(shape, new Map());
+    const order = hullsOf(source);
     const hullMesh = new Map<number, number>();  // mesh index in the source file -> index in the merged file
     const hullOf = (mesh: number) => {
-      if (!hullMesh.has(mesh)) {
-        const source = glb.json.meshes![mesh]!;
-        hullMesh.set(mesh, sources.length + hulls.length);
-        hulls.push({ glb, mesh: { ...source, name: rename(source.name)! } });
+      if (hullMesh.has(mesh)) return hullMesh.get(mesh)!;
+      const [list, first] = shape === undefined ? [hulls, firstHull] : [sharedHulls, firstSharedHull];
+      const known = shape === undefined ? undefined : hullsOfShape.get(shape)!, number = order.indexOf(mesh);
+      if (!known?.has(number)) {
+        const original = glb.json.meshes![mesh]!;
+        hullMesh.set(mesh, first + list.push({ glb, mesh: { ...original, name: rename(original.name)! } }) - 1);
+        known?.set(number, hullMesh.get(mesh)!);
+      } else {
+        hullMesh.set(mesh, known.get(number)!);
       }
       return hullMesh.get(mesh)!;
     };
@@ -120,9 +183,10 @@ function write(before: Glb, changes: Glb, now: Figures, sources: Source[], bonds
           ...(filters[k] === undefined ? {} : { collisionFilter: filters[k] }) } };
       }
       if (omi?.collider) {
-        const shape = glb.json.extensions![SHAPES].shapes[omi.collider.shape];
-        shapes.push({ ...shape, convex: { ...shape.convex, mesh: hullOf(shape.convex.mesh) } });
-        result[OMI] = { ...omi, collider: { ...omi.collider, shape: shapes.length - 1 } };
+        const listedShape = glb.json.extensions![SHAPES].shapes[omi.collider.shape];
+        const number = hullOf(listedShape.convex.mesh) - firstHull;
+        shapes[number] = { ...listedShape, convex: { ...listedShape.convex, mesh: firstHull + number } };
+        result[OMI] = { ...omi, collider: { ...omi.collider, shape: number } };
       }
       return result;
     };
@@ -130,7 +194,7 @@ function write(before: Glb, changes: Glb, now: Figures, sources: Source[], bonds
       const { children: _, extensions, ...rest } = source;
       return { ...rest, name: rename(source.name)!, ...(extensions ? { extensions: physics(extensions) } : {}), ...more };
     };
-    const own = adopt(node, { mesh: k }), sheet = sheetNodeOf(glb, node);
+    const own = adopt(node, { mesh: shape === undefined ? meshes.length : meshOfShape.get(shape)! }), sheet = sheetNodeOf(glb, node);
     if (node.children) own.children = node.children.map(index => {
       const child = glb.json.nodes![index]!;
       if (index === sheet) {
@@ -141,9 +205,10 @@ function write(before: Glb, changes: Glb, now: Figures, sources: Source[], bonds
       return childNodes.push(adopt(child, child.mesh === undefined ? {} : { mesh: hullOf(child.mesh) })) + sources.length;
     });
     fragmentNodes.push(own);
-    meshes.push({ ...copier.copy(glb, glb.json.meshes![node.mesh!]!), name });
+    if (shape === undefined) meshes.push({ ...copier.copy(glb, glb.json.meshes![node.mesh!]!), name });
+    else if (isFirst) firstOfShape.push({ glb, mesh: { ...glb.json.meshes![node.mesh!]!, name } });
   });
-  for (const { glb, mesh } of hulls) meshes.push(copier.copy(glb, mesh));
+  for (const { glb, mesh } of [...firstOfShape, ...hulls, ...sharedHulls]) meshes.push(copier.copy(glb, mesh));
   for (const { glb, node, mesh } of sheets) {
     node.mesh = meshes.length;
     meshes.push({ ...copier.copy(glb, mesh), name: node.name! });

@@ -25,7 +25,7 @@ ELSEWHERE = {
     "xxhash.h": ("PkgConfig::xxhash",), "seccomp.h": ("${FRACTURE_SECCOMP}",), "assimp/": ("assimp::assimp",),
     "draco/": ("draco::draco",), "meshoptimizer.h": ("meshoptimizer::meshoptimizer",), "tiny_gltf.h": ("fracture_tinygltf",),
     "libqhull_r/": ("${FRACTURE_QHULL_LIBRARY}",), "glm/": ("glm::glm",), "epoxy/": ("PkgConfig::FRACTURE_EPOXY",),
-    "stb/": ("${FRACTURE_STB}",), "imgui": ("PkgConfig::FRACTURE_WINDOW",), "GLFW/": ("PkgConfig::FRACTURE_WINDOW",),
+    "stb/": ("${FRACTURE_STB}",), "webp/": ("${FRACTURE_WEBP}",), "imgui": ("PkgConfig::FRACTURE_WINDOW",), "GLFW/": ("PkgConfig::FRACTURE_WINDOW",),
     "bt": ("PkgConfig::FRACTURE_BULLET",), "BulletCollision/": ("PkgConfig::FRACTURE_BULLET",),
 }
 KEYWORDS = {"PUBLIC", "PRIVATE", "INTERFACE", "STATIC", "SHARED", "OBJECT", "ALIAS"}

@@ -78,6 +78,23 @@ class Reading(unittest.TestCase):
             self.assertEqual(answer.bonds, [Bond(1, 2, 0.25, (1, 2, 3), (0, 0, 1), 100)])
             self.assertEqual(answer.delta, Delta((1,), (2, 3), ()))
 
+    def test_the_node_of_an_instance_is_turned_and_scaled(self):
+        file, half = document(), 0.5 ** 0.5
+        # A quarter turn about y, after doubling: (x, y, z) -> (2 z, 2 y, -2 x).
+        file["nodes"][1].update(rotation=[0, half, 0, half], scale=[2, 2, 2])
+        file["nodes"][1]["extensions"]["KHR_physics_rigid_bodies"]["motion"]["inertiaOrientation"] = [half, 0, 0, half]
+        for _ in self.each_way():
+            fragment, = Answer(glb.pack(file, BINARY)).fragments
+            self.assertEqual((fragment.translation, fragment.positions.shape), ((1, 2, 3), (4, 3)))
+            for found in (fragment.positions, fragment.hulls[0].points):
+                for point, expected in zip(found.tolist(), [[0, 0, 0], [0, 0, -2], [0, 2, 0], [2, 0, 0]]):
+                    for a, b in zip(point, expected):
+                        self.assertAlmostEqual(a, b, 6)
+            # The turn about x comes first: as a quaternion, (half, 0, 0, half) after (0, half, 0, half) is (1, 1, -1, 1) / 2.
+            for a, b in zip(fragment.inertia_orientation, (0.5, 0.5, -0.5, 0.5)):
+                self.assertAlmostEqual(a, b, 12)
+            self.assertEqual(fragment.primitives[0].attributes["TEXCOORD_0"].tolist()[0], [0, 0.5])
+
     def test_arrays_are_views_of_the_file(self):
         for way in self.each_way():
             positions = Answer(glb.pack(document(), BINARY)).fragments[0].positions

@@ -2,7 +2,7 @@
 import assert from 'node:assert/strict';
 import { createHash } from 'node:crypto';
 import { test } from 'node:test';
-import { built, Client, Glb, packGlb, refusal, FractureError, fake, answer, stored, problem } from './support.mjs';
+import { built, Client, Glb, packGlb, refusal, FractureError, fake, answer, stored, problem, glb as small } from './support.mjs';
 
 const { sha256Here, digestMatches } = await built('sha256.js');
 const { retryAfter } = await built('problems.js');
@@ -31,6 +31,18 @@ test('collision filters exclude pairs, are not transitive, and twins share a sys
   const [named, lists] = [{ system: 1, excluded: [] }, { system: 0, excluded: [1] }];
   assert.deepEqual(collisionFilters(4, [[0, 1], [1, 2]]), [named, lists, named, undefined]);
   assert.deepEqual(collisionFilters(5, [[0, 2], [0, 3], [0, 4], [1, 2], [1, 3], [1, 4]]), [named, named, lists, lists, lists]);
+});
+
+test('the node of an instance is turned and scaled', async () => {
+  const { turnOf } = await built('turn.js'), half = Math.SQRT1_2;
+  assert.equal(turnOf({ translation: [1, 2, 3] }), undefined);
+  // A quarter turn about y, after doubling: (x, y, z) -> (2 z, 2 y, -2 x).
+  const turn = turnOf({ rotation: [0, half, 0, half], scale: [2, 2, 2] });
+  close([...turn.attribute('POSITION', Float32Array.of(1, 0, 0, 0, 3, 5))], [0, 0, -2, 10, 6, 0], 1e-6, 'positions');
+  close([...turn.attribute('TANGENT', Float32Array.of(1, 0, 0, -1))], [0, 0, -1, -1], 1e-6, 'tangents');
+  const motion = turn.motion({ mass: 1, centerOfMass: [1, 0, 0], inertiaDiagonal: [1, 2, 3], inertiaOrientation: [half, 0, 0, half] });
+  close(motion.centerOfMass, [0, 0, -2], 1e-12, 'centre');
+  close(motion.inertiaOrientation, [0.5, 0.5, -0.5, 0.5], 1e-12, 'the turn about x comes first');
 });
 
 test('Retry-After is seconds within a day', () => {
@@ -97,6 +109,17 @@ test('a GLB is read where it lies', () => {
   odd.set(glb.bytes, 1);
   assert.deepEqual([...new Glb(odd.subarray(1)).accessor(0)], [...floats]);
   for (let size = 0; size < glb.bytes.length; size += 11) assert.throws(() => new Glb(glb.bytes.subarray(0, size)), FractureError, `${size}`);
+});
+
+test('a hit has the origin of the file, and an answer that of its root', async () => {
+  const { Answer } = await built('answer.js'), { json } = new Glb(small), [root, ...others] = json.nodes, asked = [];
+  const far = packGlb({ ...json, nodes: [{ ...root, translation: [500000, 30, 4649776] }, ...others] }, new Uint8Array());
+  const mesh = { deadline: 1000, fracture: parameters => (asked.push(parameters), Promise.reject(new Error('enough'))) };
+  const head = { location: '/fractures/sha256:1' }, made = new Answer(far, head, () => mesh);
+  assert.deepEqual(made.offset, [500000, 30, 4649776]);
+  assert.deepEqual(new Answer(small, head, () => mesh).offset, [0, 0, 0]);
+  await assert.rejects(made.hit([0.5, 1, 2], 1), /enough/);
+  assert.deepEqual(asked.map(parameters => parameters.local_point), [[[500000.5, 31, 4649778]]]);
 });
 
 // -- mass

@@ -195,6 +195,7 @@ const std::vector<Case> kIdle = {
     {"tilt", "20", R"({"pattern": "slice", "normals": [[1, 0, 0], [0, 1, 0]]})"},
     {"impacts", "[[0, 0.5, 0.4], [2, 0.5, 0.4]]", R"({"pattern": "radial"})"},
     {"parts", "\"apart\""},
+    {"instances", "\"separate\""},
     {"contact_gap", "0.01"},
     {"contact_strength", "0.5"},
     {"gravity", "[0, -3, 0]"},
@@ -267,7 +268,7 @@ TEST(Effects, AValueWithoutEffectIsNamedInTheReport) {
 }
 
 TEST(Effects, EveryParameterHasACase) {
-  // Tested elsewhere: they need other meshes (materials, sheets, colours) or earlier answers, or two of them
+  // Tested elsewhere: they need other meshes (materials, sheets, colours, instances) or earlier answers, or two of them
   // are one value.
   std::set<std::string> known{"format",
                               "repair",
@@ -276,7 +277,9 @@ TEST(Effects, EveryParameterHasACase) {
                               "materials",
                               "density_from",
                               "sheets",
+                              "proxies",
                               "assign",
+                              "instances",
                               "exterior",
                               "interior",
                               "interior_material",

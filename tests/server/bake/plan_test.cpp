@@ -50,6 +50,39 @@ TEST_F(BakePlanTest, AFolderIsAllMeshesBelowItByName) {
                    {folder / "in/sub/a.glb", "out/sub/a.glb.glb"}}));
 }
 
+TEST_F(BakePlanTest, LinksToFoldersAreFollowedAndEachFolderIsSearchedOnce) {
+  for (const char* name : {"elsewhere/deep/c.obj", "in/sub/a.obj", "in/z.obj"}) put(name);
+  fs::create_directory_symlink(folder / "elsewhere", folder / "in/linked");
+  fs::create_directory_symlink(folder / "in", folder / "in/sub/loop");
+  fs::create_directory_symlink(folder / "in/sub", folder / "in/again");
+  fs::create_directory_symlink(folder.path, folder / "in/around");
+  fs::create_directory_symlink(folder / "elsewhere/deep", folder / "elsewhere/deep/itself");
+  const BakePlan made = plan({.inputs = {folder / "in"}, .output = "out"});
+  EXPECT_EQ(files(made), (Files{{folder / "in/linked/deep/c.obj", "out/linked/deep/c.obj.glb"},
+                                {folder / "in/sub/a.obj", "out/sub/a.obj.glb"},
+                                {folder / "in/z.obj", "out/z.obj.glb"}}));
+  EXPECT_TRUE(made.dangling.empty());
+}
+
+TEST_F(BakePlanTest, LinksWithoutATargetAreNamed) {
+  put("in/a.obj");
+  fs::create_symlink("absent.glb", folder / "in/b.glb");
+  fs::create_symlink("../absent", folder / "in/props");
+  const BakePlan made = plan({.inputs = {folder / "in"}, .output = "out"});
+  EXPECT_EQ(files(made),
+            (Files{{folder / "in/a.obj", "out/a.obj.glb"}, {folder / "in/b.glb", "out/b.glb.glb"}}))
+      << "reading the link says why it cannot be read";
+  EXPECT_EQ(made.dangling, std::vector<std::string>{folder / "in/props"});
+  EXPECT_EQ(files(plan({.inputs = {folder / "in/*"}, .output = "out"})), files(made));
+  const BakePlan second = plan({.inputs = {folder / "in"}, .output = "out", .shard = {1, 2}});
+  EXPECT_TRUE(second.dangling.empty()) << "the first shard names it";
+  fs::create_directories(folder / "empty");
+  fs::create_symlink("../absent", folder / "empty/props");
+  EXPECT_EQ(refused({.inputs = {folder / "empty"}, .output = "out"}),
+            "There is no mesh in '" + folder / "empty" + "'. The target of the link '" +
+                folder / "empty/props" + "' does not exist.");
+}
+
 TEST_F(BakePlanTest, GlobsAndFilesLieSideBySide) {
   for (const char* name : {"in/b.obj", "in/c.obj", "in/c.txt", "d.ply"}) put(name);
   EXPECT_EQ(files(plan({.inputs = {folder / "in/*", folder / "d.ply"}, .output = "out/"})),

@@ -21,7 +21,7 @@ using ::testing::HasSubstr;
 /// Two triangles with everything that a Mesh can have.
 Mesh full_mesh() {
   Mesh mesh;
-  mesh.frame = {0.0254, true, true, true};
+  mesh.frame = {0.0254, true, true, true, {500000, 30, 4649776.25}};
   mesh.positions = {{0, 0, 0}, {1, 0, -0.0f}, {0, 1, 0}, {0, 0, 1e-30f}};
   mesh.attributes.normals.assign(4, {0, 0, 1});
   mesh.attributes.tangents.assign(4, {1, 0, 0, -1});
@@ -35,6 +35,7 @@ Mesh full_mesh() {
   mesh.empty_nodes = {{"socket", {2, 0, 0}, {0, 2, 0}, {0, 0, 2}, {1, 2, 3}, "\"a\":1"}};
   mesh.groups = {{"house", kNoIndex}, {"wall", 0}};
   mesh.group_of_node = {1, kNoIndex};
+  mesh.instances = {{3, {0, 2, 0}, {-2, 0, 0}, {0, 0, 2}, {1, -0.5, 1e300}}, {}};
   mesh.triangle_color = {{{1, 2, 65535}, 1}, {}};
   MaterialLibrary library;
   library.materials =
@@ -76,6 +77,7 @@ TEST(MeshCodec, AMeshComesBackBitForBit) {
   EXPECT_EQ(encode_reply(back), bytes);
   EXPECT_EQ(back.frame.metres, 0.0254);
   EXPECT_TRUE(back.frame.z_up && back.frame.up_stated && back.frame.metres_stated);
+  EXPECT_EQ(back.frame.offset, (Vec3d{500000, 30, 4649776.25}));
   EXPECT_TRUE(std::signbit(back.positions[1].z));
   EXPECT_EQ(back.positions[3].z, 1e-30f);
   EXPECT_EQ(back.attributes.tangents[2].w, -1);
@@ -87,6 +89,7 @@ TEST(MeshCodec, AMeshComesBackBitForBit) {
   EXPECT_EQ(back.empty_nodes, mesh.empty_nodes);
   EXPECT_EQ(back.groups, mesh.groups);
   EXPECT_EQ(back.group_of_node, mesh.group_of_node);
+  EXPECT_EQ(back.instances, mesh.instances);
   EXPECT_EQ(back.triangle_color, mesh.triangle_color);
   EXPECT_EQ(back.library->materials.dump(), mesh.library->materials.dump());
   EXPECT_EQ(back.library->images[0].bytes, mesh.library->images[0].bytes);
@@ -131,6 +134,7 @@ TEST(MeshCodec, EveryBrokenPromiseIsFound) {
   EXPECT_THAT(broken([](Mesh& m) { m.attributes.uvs[1].pop_back(); }), HasSubstr("every vertex"));
   EXPECT_THAT(broken([](Mesh& m) { m.attributes.uvs.resize(65); }), HasSubstr("too many attribute sets"));
   EXPECT_THAT(broken([](Mesh& m) { m.frame.metres = 0; }), HasSubstr("unit"));
+  EXPECT_THAT(broken([](Mesh& m) { m.frame.offset.y = INFINITY; }), HasSubstr("offset"));
   EXPECT_THAT(broken([](Mesh& m) { m.node_names[0] = "\xff"; }), HasSubstr("UTF-8"));
   EXPECT_THAT(broken([](Mesh& m) { m.dropped[0].reason = "\xff"; }), HasSubstr("UTF-8"));
   EXPECT_THAT(broken([](Mesh& m) { m.node_extras.pop_back(); }), HasSubstr("every node"));
@@ -143,6 +147,7 @@ TEST(MeshCodec, EveryBrokenPromiseIsFound) {
   EXPECT_THAT(broken([](Mesh& m) { m.groups[0].parent = 1; }), HasSubstr("tree"));
   EXPECT_THAT(broken([](Mesh& m) { m.group_of_node[0] = 2; }), HasSubstr("names no group"));
   EXPECT_THAT(broken([](Mesh& m) { m.group_of_node.pop_back(); }), HasSubstr("group"));
+  EXPECT_THAT(broken([](Mesh& m) { m.instances.pop_back(); }), HasSubstr("instance"));
   EXPECT_THAT(broken([](Mesh& m) {
                 MaterialLibrary library;
                 library.materials = {5};

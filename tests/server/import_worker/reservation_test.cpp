@@ -57,7 +57,7 @@ TEST_F(ImportReservation, ASmallFileTakesLittle) {
   EXPECT_EQ(allowance->bytes(), 0u) << "given back";
 }
 
-TEST_F(ImportReservation, ASmallObjIsReadAtOnceThoughItsReaderFills16MiB) {
+TEST_F(ImportReservation, ASmallObjIsReadAtOnce) {
   allow(2ull << 30);
   const char* const obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
   for (int k = 0; k < 3; ++k)

@@ -11,6 +11,8 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <span>
+#include <sstream>
+#include <vector>
 
 #include "common/digest/digest.hpp"
 #include "common/pipeline/algorithm_version.hpp"
@@ -31,6 +33,52 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
 using testing::StartsWith;
+
+// -- links
+
+TEST_F(BakeProgram, FollowsLinksToFoldersAndNamesLinksWithoutATarget) {
+  ASSERT_EQ(
+      shell("mkdir more linked && cp cube.off more/ && cp cube.off linked/ && ln -s ../more linked/more"), 0);
+  EXPECT_EQ(shell("$f bake linked -o linked-out --sites 5 -q"), 0) << err;
+  EXPECT_TRUE(fs::exists(folder / "linked-out/more/cube.off.glb"));
+  ASSERT_EQ(shell("ln -s absent linked/props && ln -s absent.off linked/gone.off"), 0);
+  EXPECT_EQ(shell("$f bake linked -o linked-out --sites 5 -q"), 1);
+  EXPECT_THAT(err, AllOf(HasSubstr("cannot read linked/props: the link's target does not exist"),
+                         HasSubstr("cannot read linked/gone.off: ")));
+  EXPECT_EQ(shell("$f bake linked -o linked-out --explain"), 1);
+  EXPECT_THAT(err, HasSubstr("cannot read linked/props: "));
+}
+
+// -- inspect
+
+TEST_F(BakeProgram, InspectPrintsALineForEachMeshAndASummaryByCause) {
+  EXPECT_EQ(shell("$f inspect in cube.off tub.off"), 3) << err;
+  EXPECT_THAT(
+      out, AllOf(HasSubstr("cube.off: closed; 1 x 1 x 1 m; 1 part; no overlaps; drops nothing\n"),
+                 HasSubstr("in/box2.obj: closed; 2 x 1 x 1 m; 1 part; no overlaps; drops nothing\n"),
+                 HasSubstr("tub.off: repaired; 1 x 1 x 1 m; 1 part; no overlaps; drops nothing; 1 choice\n"),
+                 HasSubstr("in/poison/sheet.obj: refused: mesh-not-closed: ")));
+  EXPECT_THAT(out, HasSubstr("6 files: 4 closed, 1 repaired, 1 refused\n"
+                             "  refused: mesh-not-closed: 1 (in/poison/sheet.obj)\n"
+                             "  repaired: open edges: 1 (tub.off)\n"
+                             "  offers: lid: 1 (tub.off)\n"));
+  EXPECT_EQ(shell("$f inspect in/gltf cube.off"), 0) << err;
+  EXPECT_EQ(shell("$f inspect '*.off' --json"), 5) << err;
+  std::vector<json> lines;
+  std::istringstream text(out);
+  for (std::string line; std::getline(text, line);) lines.push_back(json::parse(line));
+  ASSERT_EQ(lines.size(), 3u);
+  EXPECT_EQ(lines[0].at("input"), "cube.off");
+  EXPECT_EQ(lines[0].at("size"), json({1, 1, 1}));
+  EXPECT_EQ(lines[1].at("verdict"), "repaired");
+  EXPECT_EQ(lines[2].at("summary").at("files"), 2);
+  EXPECT_EQ(shell("mkdir some && cp cube.off some/ && ln -s absent some/props && $f inspect some"), 1);
+  EXPECT_THAT(err, HasSubstr("cannot read some/props: the link's target does not exist"));
+  EXPECT_THAT(out, HasSubstr("2 files: 1 closed, 1 unreadable\n"));
+  EXPECT_EQ(shell("$f inspect cube.off -"), 2);
+  EXPECT_EQ(shell("mkdir none && $f inspect none"), 2);
+  EXPECT_THAT(err, HasSubstr("There is no mesh in 'none'."));
+}
 
 // -- pipes
 

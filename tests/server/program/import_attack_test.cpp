@@ -19,6 +19,7 @@
 #include "tests/server/support/server_process.hpp"
 #include "tests/server/support/temporary_folder.hpp"
 #include "tests/support/eventually.hpp"
+#include "tests/support/full_tests.hpp"
 
 namespace fracture::test {
 namespace {
@@ -265,7 +266,7 @@ pid_t busy_worker(const Server& server) {
 
 TEST(ImportAttack, AWorkerKilledInMidImportCostsItsRequestAloneA422) {
   Server server({"--import-workers", "2"});
-  const std::string large = large_obj(500);
+  const std::string large = large_obj(sized(500, 900));
   for (const int signal : {SIGKILL, SIGSEGV}) {
     EXPECT_EQ(post(server, "off", kTetrahedron).status, 200);
     auto doomed = std::async(std::launch::async, [&] { return post(server, "obj", large); });
@@ -297,7 +298,7 @@ TEST(ImportAttack, AWorkerKilledInMidImportCostsItsRequestAloneA422) {
 
 TEST(ImportAttack, AMeshThatKilledItsReaderIsRefusedAtOnceAndOnlyIt) {
   Server server({"--import-workers", "1"});
-  const std::string large = large_obj(500);
+  const std::string large = large_obj(sized(500, 900));
   auto doomed = std::async(std::launch::async, [&] { return post(server, "obj", large); });
   const pid_t victim = busy_worker(server);
   ASSERT_NE(victim, 0);

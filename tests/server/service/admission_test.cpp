@@ -67,6 +67,7 @@ TEST(Admission, CountsLaterSitesAndNeverMoreThanThereMayBe) {
   const Solid solid = wall();
   FractureParameters parameters = with(UniformPattern{}, 10);
   EXPECT_EQ(expected_sites(parameters, &solid), 10);
+  parameters.rest = LocalRest::kFractured;
   parameters.hits = {{.point = {}, .radius = 0.2, .sites = 20}, {.point = {}, .radius = 0.2, .sites = 10}};
   EXPECT_EQ(expected_sites(parameters, &solid), 40);
   const Selection selection{.refracture = Refracture{.sites = 7}};
@@ -77,6 +78,8 @@ TEST(Admission, CountsLaterSitesAndNeverMoreThanThereMayBe) {
             47);  // nothing is known about a mesh that was not read yet
   parameters.max_volume = 1e-300;
   EXPECT_EQ(expected_sites(parameters, &solid), parameters.most_sites);
+  parameters.rest = LocalRest::kWhole;  // the pattern breaks nothing
+  EXPECT_EQ(expected_sites(parameters, &solid), 31);
 }
 
 TEST(Admission, CountsTheCellsOfAggregates) {
@@ -87,6 +90,7 @@ TEST(Admission, CountsTheCellsOfAggregates) {
   EXPECT_EQ(expected_sites(parameters, nullptr), 60);
   parameters.size.fragments = 10;
   EXPECT_EQ(expected_sites(parameters, &solid), 60);
+  parameters.rest = LocalRest::kFractured;
   parameters.hits = {{.point = {}, .radius = 0.2, .sites = 20}};
   EXPECT_EQ(expected_sites(parameters, &solid), 180);
   EXPECT_EQ(expected_sites(parameters, &solid, Selection{.refracture = Refracture{.sites = 7}}), 222);
@@ -127,6 +131,7 @@ TEST(Admission, CountsTheTrianglesOfRoughCutsAboutRight) {
 TEST(Admission, AHitOnAKeptAnswerCostsWhatItChanges) {
   FractureParameters p = with(UniformPattern{});
   p.sites = 10'000;
+  p.rest = LocalRest::kFractured;
   p.hits = {{{0, 0, 0}, 0.1, 500}, {{1, 0, 0}, 0.1, 30}};
   const auto work_of = [&](std::uint32_t new_hits) {
     return expected_hit_work(p, {.kept = true, .new_hits = NewHits{new_hits}}, nullptr).seconds;

@@ -80,25 +80,27 @@ TEST_F(HitAdmissionTest, WhatNobodyKeptIsHeldForAsAWhole) {
   EXPECT_GE(held_for(hit(address_of({{"sites", kCells}}), "only")), kBytesOfCells);
 }
 
-TEST_F(HitAdmissionTest, WhatCannotBeLocalIsHeldForAsAWhole) {
+TEST_F(HitAdmissionTest, LimitsAndARestThatStaysWholeDoNotMatter) {
   const std::string counted =
       address_of({{"sites", kCells}, {"delta", "stated"}, {"max_fragments", 1'000'000}});
-  EXPECT_GE(held_for(hit(counted, "only")), kBytesOfCells) << "how many there are hangs on all of them";
+  EXPECT_LT(held_for(hit(counted, "only")), kBytesOfCells / 4) << "limits concern the pattern's pieces";
   json whole = hit("", "stated");
   whole.erase("of");
   whole["sites"] = kCells;
   whole["local_rest"] = "whole";
-  EXPECT_GE(held_for(hit(address_of(whole), "only")), kBytesOfCells) << "the rest is one piece";
+  EXPECT_LT(held_for(hit(address_of(whole), "only")), kBytesOfCells / 4) << "the rest is one piece";
 }
 
-TEST_F(HitAdmissionTest, ARestThatStaysOnePieceIsHeldForAsAWholeAlsoBesideAnAnswerThatAllowsLocalHits) {
-  address_of({{"sites", kCells}, {"delta", "stated"}});
+TEST_F(HitAdmissionTest, TheAnswerBeforeTheHitsIsHeldForIfItMustBeMade) {
   json whole = hit("", "only");
   whole.erase("of");
   whole["sites"] = kCells;
   whole["local_rest"] = "whole";
   whole["local_new"] = 1;
-  EXPECT_GE(held_for(whole), kBytesOfCells);
+  EXPECT_GE(held_for(whole), kBytesOfCells) << "the delta compares with the pattern's pieces";
+  whole["seed"] = 2;
+  address_of({{"sites", kCells}, {"seed", 2}, {"delta", "stated"}});
+  EXPECT_LT(held_for(whole), kBytesOfCells / 4) << "they are kept";
 }
 
 }  // namespace

@@ -246,6 +246,20 @@ TEST(AnswerSummary, IsReadFromAFileThatIsFromElsewhere) {
   EXPECT_THROW(summary_in({}, OutputFormat::kGlb), InternalError);
 }
 
+TEST_F(ServiceTest, AMeshIsReadWithinTheSameMemoryForAReportAsForAnAnswer) {
+  ServiceConfig limited = config;
+  limited.max_bytes_per_job = 123u << 20;
+  FractureService small{limited, std::make_unique<FakeEngine>(control)};
+  std::vector<std::uint64_t> limits;
+  control->during_import = [&](const Execution& execution) {
+    limits.push_back(execution.allowance ? execution.allowance->limit() : 0);
+  };
+  EXPECT_TRUE(small.prepare(request("one"), {}));
+  EXPECT_TRUE(small.fracture(request("two"), {}));
+  EXPECT_TRUE(service.prepare(request("three"), {}));
+  EXPECT_EQ(limits, (std::vector<std::uint64_t>{123u << 20, 123u << 20, 0}));
+}
+
 TEST_F(ServiceTest, ErrorsAreNotCached) {
   control->import = [&](std::string_view) -> Expected<Mesh> {
     if (control->imports == 1) return fail(ErrorCode::kMalformedMesh, "once");

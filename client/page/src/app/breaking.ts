@@ -1,7 +1,7 @@
 // Turns the requested parameters and hits into an answer, with undo and redo: at once if possible, otherwise as a job.
 import { type Answer, FractureError, type Mesh, type ParameterValue, type Vector3 } from 'fracture-client';
 import { Asker } from '../service/asker';
-import { firstPlace, placesIn, withoutPlace } from '../state/places';
+import { firstPlace, moved, placesIn, withoutPlace } from '../state/places';
 import { Gestures, type Hit, History, parametersOf, type Settings, type Step, underPattern, type Wish, withoutExcluded, withSetting } from '../state/request';
 import { localProblem } from '../take/problems';
 import { words } from '../words/words';
@@ -10,6 +10,9 @@ import type { Shown } from './state';
 
 /** Time in ms that a live answer may take, retries included. If it takes longer, it becomes a job. */
 const IMPATIENT = 6000;
+
+/** Converts a place with the origin of the file to one below the root node. */
+const below = ([x, y, z]: Vector3, [dx, dy, dz]: Vector3): Vector3 => [x - dx, y - dy, z - dz];
 
 interface Question {
   wish: Wish;
@@ -98,7 +101,7 @@ export class Breaking {
   /** Handles a click with the Hit tool, which breaks the area around the point. The first click also sets the pattern's impact, if
    * the pattern uses impacts. */
   hitAt(point: Vector3): void {
-    const { wish, shown, radius, sites } = this.app.state, rounded = point.map(value => Number(value.toPrecision(6))) as Vector3;
+    const { wish, shown, radius, sites } = this.app.state, rounded = this.given(point);
     if (!shown || this.asker.busy) return;
     if (this.onlyOne !== undefined) {
       this.app.set({ problem: localProblem(words.pieces.noHit) });
@@ -113,9 +116,21 @@ export class Breaking {
     this.app.set({ wish: next });
     this.asker.put({ wish: next, gesture: this.alone(), hitOn: { answer: shown.answer, hit } });
   }
+  /** The offset of the mesh (Answer.offset). */
+  private get offset(): Vector3 {
+    return this.app.state.source?.whole.offset ?? [0, 0, 0];
+  }
+  /** Converts a place on the shown mesh to a parameter, which has the origin of the file. */
+  private given(point: Vector3): Vector3 {
+    const { offset } = this;
+    return point.map((value, k) => {
+      const rounded = Number(value.toPrecision(6));
+      return offset[k] === 0 ? rounded : Number((rounded + offset[k]!).toPrecision(15));
+    }) as Vector3;
+  }
   aimAt(point: Vector3): void {
     const { settings, hits } = this.app.state.wish, known = this.takesImpacts(settings);
-    const next = { ...settings, impacts: [point.map(value => Number(value.toPrecision(6)))] };
+    const next = { ...settings, impacts: [this.given(point)] };
     this.wishFor({ hits, settings: known ? next : { ...next, pattern: 'impact' } }, 'impacts', true);
   }
   /** Returns whether the settings accept impacts. If a pattern is chosen, it must use impacts. Otherwise a material is enough,
@@ -150,7 +165,7 @@ export class Breaking {
   private async answerTo({ wish, hitOn }: Question, signal: AbortSignal): Promise<Answer> {
     // Two retries, because the server may have forgotten the mesh, which is then sent again.
     const options = { signal, realtime: true, retries: 2, deadline: IMPATIENT };
-    if (hitOn) return hitOn.answer.hit(hitOn.hit.point, hitOn.hit.radius, { ...options, ...(hitOn.hit.sites === undefined ? {} : { sites: hitOn.hit.sites }) });
+    if (hitOn) return hitOn.answer.hit(below(hitOn.hit.point, hitOn.answer.offset), hitOn.hit.radius, { ...options, ...(hitOn.hit.sites === undefined ? {} : { sites: hitOn.hit.sites }) });
     const { mesh } = await this.app.bringing.dressed(wish.settings, signal);
     void this.estimate(mesh, wish, signal);
     return mesh.fracture(parametersOf(wish), options);
@@ -301,22 +316,23 @@ export class Breaking {
     const name = this.pickingFor, parameter = this.app.service.parameters.find(each => each.name === name);
     this.pickingFor = undefined;
     if (!name || !parameter) return;
-    const rounded = point.map(value => Number(value.toPrecision(6)));
+    const rounded = this.given(point);
     this.setParameter(name, String(parameter['text']).includes(';') ? [rounded] : rounded);
   }
   /** Adds a region with this name at its initial position, to be dragged; removes it if it exists. */
   togglePlace(name: string): void {
-    const { wish } = this.app.state, kind = placesIn(this.app.service.parameters).get(name), bounds = this.app.view?.bounds;
+    const { wish } = this.app.state, places = placesIn(this.app.service.parameters), kind = places.get(name), bounds = this.app.view?.bounds;
     if (!kind || !bounds) return;
     const { service } = this.app, material = service.knowledge?.patterns.materials.find(each => each.name === wish.settings['material']);
     const known = (material?.parameters[name] ?? service.parameters.find(parameter => parameter.name === name)?.['default']) as ParameterValue | undefined;
-    const settings = wish.settings[name] === undefined ? { ...wish.settings, ...firstPlace(name, kind, bounds, known) } : withoutPlace(wish.settings, name);
+    const settings = wish.settings[name] === undefined ? { ...wish.settings, ...moved(firstPlace(name, kind, bounds, known), places, this.offset) } : withoutPlace(wish.settings, name);
     this.wishFor({ ...wish, settings }, '', true);
   }
   /** Applies the settings that result from dragging a handle. `settled`: the drag has ended. */
   drag(handle: string, settings: Settings, settled: boolean): void {
     const { wish } = this.app.state;
-    this.wishFor({ ...wish, settings: { ...wish.settings, ...settings } }, handle, settled);
+    const given = moved(settings, placesIn(this.app.service.parameters), this.offset);
+    this.wishFor({ ...wish, settings: { ...wish.settings, ...given } }, handle, settled);
   }
 
   /** Sets the material. It also removes the pattern setting, so that the material's own pattern is used. */

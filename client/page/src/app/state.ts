@@ -72,7 +72,7 @@ export interface State {
   tool: Tool;
   /** The radius of the next hit, in metres. */
   radius: number;
-  /** The number of sites that the next hit adds; undefined: the server's default. */
+  /** The number of cells of the next hit; undefined: the server's default. */
   sites: number | undefined;
   /** The names that the user gave to fragments, by id. */
   names: Names;

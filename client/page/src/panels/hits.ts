@@ -31,7 +31,7 @@ function radius(app: App): TemplateResult {
       <output class="figure" for="radius">${metric(now, 1)}</output></span></div>`;
 }
 
-/** The number of sites that the next hit adds. More sites in the same radius are finer pieces. */
+/** The number of cells of the next hit. More cells in the same radius are finer pieces. */
 function sites(app: App): TemplateResult | typeof nothing {
   const parameter = app.service.parameters.find(({ name }) => name === 'local_sites');
   if (!parameter) return nothing;

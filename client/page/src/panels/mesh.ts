@@ -66,11 +66,15 @@ function report(app: App): TemplateResult {
 function boundsOf(app: App): { min: number[]; max: number[] } {
   const min = [Infinity, Infinity, Infinity], max = [-Infinity, -Infinity, -Infinity];
   for (const { document, fragments } of [app.state.source!.whole])
-    for (const { rawPrimitives, translation } of fragments) {
+    for (const fragment of fragments) {
+      const { rawPrimitives, translation, turn } = fragment;
       const accessor = document.accessorAt(rawPrimitives[0]!.attributes['POSITION']!);
       for (let k = 0; k < 3; ++k) {
-        min[k] = Math.min(min[k]!, translation[k]! + accessor.min![k]!);
-        max[k] = Math.max(max[k]!, translation[k]! + accessor.max![k]!);
+        const along = turn ? fragment.positions.filter((_, i) => i % 3 === k) : [accessor.min![k]!, accessor.max![k]!];
+        for (const value of along) {
+          min[k] = Math.min(min[k]!, translation[k]! + value);
+          max[k] = Math.max(max[k]!, translation[k]! + value);
+        }
       }
     }
   return { min, max };

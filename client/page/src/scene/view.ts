@@ -11,7 +11,7 @@ import type { Picked } from './picking';
 import { plain } from './plain';
 import { rawMesh } from './raw';
 import { regionsOf } from './regions';
-import { type Bounds, type PlaceKind } from '../state/places';
+import { type Bounds, moved, type PlaceKind } from '../state/places';
 import type { Settings } from '../state/request';
 import type { Stage } from './stage';
 
@@ -242,8 +242,9 @@ export class View {
   }
 
   /** Shows the points, regions and directions that are set, with their handles. */
-  wished(settings: Settings, places: ReadonlyMap<string, PlaceKind>): void {
+  wished(wish: Settings, places: ReadonlyMap<string, PlaceKind>): void {
     if (this.regions) disposeOf(this.regions);
+    const settings = moved(wish, places, (this.batch?.answer.offset ?? [0, 0, 0]).map(value => -value));
     const { color } = this.reach.material as MeshBasicMaterial, extent = { middle: this.middle, size: this.size };
     this.handles = handlesOf(settings, places, extent);
     this.regions = regionsOf(settings, places, color, extent).add(dotsOf(this.handles, color));

@@ -55,6 +55,22 @@ export function firstPlace(name: string, kind: PlaceKind, { low, high }: Bounds,
   }
 }
 
+/** Returns the settings with their places moved by `by`. Places in parameters are measured from the file's origin, and the view shows
+ * those below the answer's root node (Answer.offset). */
+export function moved(settings: Settings, places: ReadonlyMap<string, PlaceKind>, by: readonly number[]): Settings {
+  if (by.every(value => value === 0)) return settings;
+  const point = (at: unknown) => (Array.isArray(at) ? at.map((value: number, k) => Number((value + by[k]!).toPrecision(15))) : at) as number[];
+  const result: Record<string, ParameterValue> = { ...settings };
+  for (const [name, kind] of places) {
+    const value = settings[name];
+    if (!Array.isArray(value)) continue;
+    if (kind === 'sphere') result[name] = point(value);
+    else if (kind === 'box') result[name] = value.map(point);
+    else if (kind === 'plane') result[name] = [point(value[0]), value[1] as number[]];
+  }
+  return result;
+}
+
 /** Returns the settings without those of a region. */
 export function withoutPlace(settings: Settings, name: string): Settings {
   return Object.fromEntries(Object.entries(settings).filter(([each]) => each !== name && each !== radiusOf(name)));

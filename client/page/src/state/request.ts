@@ -7,7 +7,7 @@ export interface Hit {
   point: Vector3;
   /** In metres. */
   radius: number;
-  /** The number of sites that the hit adds; undefined: the server's default. */
+  /** The number of cells of the hit; undefined: the server's default. */
   sites?: number | undefined;
 }
 

@@ -94,6 +94,10 @@ export function meshesOf(answer: Answer, materials: readonly Material[], pieces:
     const mesh = new Mesh(geometry, used);
     mesh.name = piece.name;
     mesh.position.set(...piece.translation);
+    if (piece.turn) {
+      mesh.quaternion.set(...piece.turn.rotation);
+      mesh.scale.setScalar(piece.turn.scale);
+    }
     return mesh;
   };
   return pieces.map(piece => {

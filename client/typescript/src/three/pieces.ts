@@ -8,6 +8,7 @@ import { type Blow, brokenBy, components, energyOf } from './bonds.js';
 import { add, combine, cross, massOf, momentumOf, principalAxes, rotate, setMomentum, sub } from './mass.js';
 import type { MassProperties, Momentum, MovingBody, Quat, Vec3 } from './mass.js';
 import { meshesOf } from './meshes.js';
+import { product } from '../turn.js';
 import { colliders, movingBody, quat, setMotion, vec, xyz, xyzw } from './rapier.js';
 import type { ContactForce, Rapier, RapierBody, RapierCollider, RapierWorld } from './rapier.js';
 
@@ -119,9 +120,9 @@ export class Pieces {
       if (settled && body.settled) continue;
       const at = vec(rigid.translation()), turn = quat(rigid.rotation());
       for (const member of members) {
-        const mesh = this.meshes[member]!;
-        mesh.position.set(...add(at, rotate(turn, sub(this.answer.fragments[member]!.translation, origin))));
-        mesh.quaternion.set(...turn);
+        const mesh = this.meshes[member]!, fragment = this.answer.fragments[member]!;
+        mesh.position.set(...add(at, rotate(turn, sub(fragment.translation, origin))));
+        mesh.quaternion.set(...(fragment.turn ? product(turn, fragment.turn.rotation) : turn));
       }
     }
   }

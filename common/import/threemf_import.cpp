@@ -1,0 +1,359 @@
+#include "common/import/threemf_import.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "common/base/printable.hpp"
+#include "common/base/words.hpp"
+#include "common/import/gltf_materials.hpp"
+#include "common/import/mesh_builder.hpp"
+#include "common/import/preflight.hpp"
+#include "common/import/refused.hpp"
+#include "common/import/text_encoding.hpp"
+#include "common/import/threemf_model.hpp"
+#include "common/import/xml_tags.hpp"
+#include "common/import/zip_archive.hpp"
+#include "common/mesh/material_library.hpp"
+#include "common/surface_color/mean_pyramid.hpp"
+
+namespace fracture {
+namespace {
+
+using nlohmann::json;
+using threemf::Instance;
+using threemf::ModelPart;
+using threemf::Object;
+
+/// Deeper nesting is a loop: real projects have two or three levels.
+constexpr int kMaxDepth = 64;
+/// Instances of objects, including empty ones.
+constexpr std::uint64_t kMaxInstances = 1'000'000;
+
+template <class T>
+T or_throw(Expected<T> result) {
+  if (!result) throw Refused{result.error()};
+  return std::move(*result);
+}
+
+std::string lower_case(std::string_view text) {
+  std::string lower(text);
+  for (char& c : lower)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return lower;
+}
+
+/// The files in the archive. Their names are compared without regard to case (OPC, 6.3.5).
+class Package {
+ public:
+  Package(std::span<const std::byte> bytes, const ImportLimits& limits) : bytes_(bytes), limits_(limits) {
+    for (const ZipEntry& entry : or_throw(read_zip_directory(bytes, limits.max_decoded_bytes)))
+      entries_.emplace(lower_case(threemf::part_path(entry.name)), entry);
+  }
+  bool has(const std::string& path) const { return entries_.contains(lower_case(path)); }
+  std::vector<std::byte> read(const std::string& path) const {
+    const auto at = entries_.find(lower_case(path));
+    if (at == entries_.end())
+      refuse(ErrorCode::kMalformedMesh,
+             "The 3MF package does not contain the file \"" + shortened(printable(path)) + "\".");
+    return or_throw(unzip(bytes_, at->second, limits_.max_decoded_bytes));
+  }
+  /// Reads XML, in UTF-8.
+  std::string read_text(const std::string& path) const {
+    const std::vector<std::byte> bytes = read(path);
+    if (auto checked = preflight::check_xml_depth(bytes); !checked) throw Refused{checked.error()};
+    if (std::optional<std::string> text = utf16_to_utf8(bytes)) return std::move(*text);
+    return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+  }
+
+ private:
+  std::span<const std::byte> bytes_;
+  const ImportLimits& limits_;
+  std::map<std::string, ZipEntry> entries_;
+};
+
+/// The path of the model part with the build (OPC relationships of the package).
+std::string root_path(const Package& package) {
+  std::string path = "3D/3dmodel.model";
+  if (!package.has("_rels/.rels")) return path;
+  const std::string text = package.read_text("_rels/.rels");
+  bool found = false;
+  xml::for_tags(text, [&](std::string_view tag, std::size_t) {
+    const auto type = xml::attribute(tag, "Type"), target = xml::attribute(tag, "Target");
+    if (found || xml::name_of(tag) != "Relationship" || !type || !target || !type->ends_with("/3dmodel"))
+      return true;
+    path = threemf::part_path(*target);
+    found = true;
+    return false;
+  });
+  return path;
+}
+
+/// Volumes that a slicer does not print, by their ids in its configuration.
+struct Modifiers {
+  std::map<std::uint32_t, std::vector<std::array<std::uint32_t, 2>>>
+      triangles;                    ///< PrusaSlicer: per object, first and last
+  std::set<std::uint32_t> objects;  ///< Bambu Studio, OrcaSlicer
+};
+
+std::optional<std::uint32_t> whole(std::string_view tag, std::string_view name) {
+  const auto value = xml::attribute(tag, name);
+  std::uint32_t number = 0;
+  if (!value) return std::nullopt;
+  const auto [end, error] = std::from_chars(value->data(), value->data() + value->size(), number);
+  if (error != std::errc() || end != value->data() + value->size()) return std::nullopt;
+  return number;
+}
+
+/// PrusaSlicer writes the volumes of an object as ranges of triangles of one mesh.
+void read_prusa(const std::string& text, Modifiers& modifiers) {
+  std::optional<std::uint32_t> object, first, last;
+  bool is_modifier = false;
+  xml::for_tags(text, [&](std::string_view tag, std::size_t) {
+    const std::string_view name = xml::name_of(tag);
+    if (name == "object" && !xml::is_end(tag)) object = whole(tag, "id");
+    if (name == "volume" && !xml::is_end(tag)) {
+      first = whole(tag, "firstid");
+      last = whole(tag, "lastid");
+      is_modifier = false;
+    }
+    if (name == "metadata") {
+      const auto key = xml::attribute(tag, "key"), value = xml::attribute(tag, "value");
+      is_modifier |= key && value && *key == "volume_type" && *value != "ModelPart";
+      is_modifier |= key && value && *key == "modifier" && *value == "1";
+    }
+    if (name == "volume" && xml::is_end(tag) && is_modifier && object && first && last)
+      modifiers.triangles[*object].push_back({*first, *last});
+    return true;
+  });
+}
+
+/// Bambu Studio and OrcaSlicer write each volume as an object of its own.
+void read_bambu(const std::string& text, Modifiers& modifiers) {
+  xml::for_tags(text, [&](std::string_view tag, std::size_t) {
+    if (xml::name_of(tag) != "part" || xml::is_end(tag)) return true;
+    const auto subtype = xml::attribute(tag, "subtype");
+    const auto id = whole(tag, "id");
+    if (subtype && *subtype != "normal_part" && id) modifiers.objects.insert(*id);
+    return true;
+  });
+}
+
+/// Converts materials, and gives each of them a slot when it is first used.
+class Materials {
+ public:
+  Materials(const Package& package, Remarks& remarks) : package_(package), remarks_(remarks) {}
+
+  std::uint32_t slot(const threemf::Material& material) {
+    const std::string key = material.name + '\n' + material.color + '\n' + material.texture;
+    if (const auto known = slots_.find(key); known != slots_.end()) return known->second;
+    json pbr = {{"metallicFactor", 0}};
+    json made = json::object();
+    if (!material.name.empty()) made["name"] = material.name;
+    if (const auto color = linear(material.color)) {
+      pbr["baseColorFactor"] = *color;
+      if ((*color)[3] < 1) made["alphaMode"] = "BLEND";
+    }
+    if (!material.texture.empty())
+      if (const std::uint32_t texture = texture_of(material.texture); texture != kNoIndex)
+        pbr["baseColorTexture"] = {{"index", texture}};
+    made["pbrMetallicRoughness"] = std::move(pbr);
+    library_.materials.push_back(std::move(made));
+    return slots_[key] = static_cast<std::uint32_t>(library_.materials.size() - 1);
+  }
+  MaterialLibrary take() { return std::move(library_); }
+
+ private:
+  /// Linear red, green, blue and alpha of "#RRGGBB" or "#RRGGBBAA", to six digits.
+  static std::optional<std::array<double, 4>> linear(const std::string& color) {
+    if ((color.size() != 7 && color.size() != 9) || color[0] != '#') return std::nullopt;
+    std::array<double, 4> result{0, 0, 0, 1};
+    for (std::size_t k = 0; 2 * k + 2 < color.size(); ++k) {
+      std::uint8_t value = 0;
+      const char* const begin = color.data() + 1 + 2 * k;
+      const auto [end, error] = std::from_chars(begin, begin + 2, value, 16);
+      if (error != std::errc() || end != begin + 2) return std::nullopt;
+      const double part = k < 3 ? linear_light(value) / 65535.0 : value / 255.0;
+      result[k] = std::round(part * 1e6) / 1e6;
+    }
+    return result;
+  }
+
+  std::uint32_t texture_of(const std::string& path) {
+    Image image;
+    if (package_.has(path)) {
+      const std::vector<std::byte> bytes = package_.read(path);
+      const auto* const begin = reinterpret_cast<const std::uint8_t*>(bytes.data());
+      image.bytes.assign(begin, begin + bytes.size());
+    }
+    image.mime_type = sniff_image(image.bytes);
+    if (image.mime_type != "image/png" && image.mime_type != "image/jpeg") {
+      const std::string name = name_as_utf8(path);
+      remarks_.warn(
+          image.bytes.empty()
+              ? in_another_file(name)
+              : "The image \"" + shortened(name) +
+                    "\" is neither PNG nor JPEG and was left out. Surfaces that use it have no texture "
+                    "in the answer. Convert it to PNG or JPEG.");
+      return kNoIndex;
+    }
+    image.name = name_as_utf8(path.substr(path.find_last_of('/') + 1));
+    library_.textures.push_back({{"source", library_.images.size()}});
+    library_.images.push_back(std::move(image));
+    return static_cast<std::uint32_t>(library_.textures.size() - 1);
+  }
+
+  const Package& package_;
+  Remarks& remarks_;
+  MaterialLibrary library_;
+  std::map<std::string, std::uint32_t> slots_;
+};
+
+class Importer3mf {
+ public:
+  Importer3mf(std::span<const std::byte> bytes, const ImportLimits& limits)
+      : package_(bytes, limits), builder_(limits), materials_(package_, builder_.remarks()) {}
+
+  Mesh read() {
+    const std::string path = root_path(package_);
+    if (package_.has(kPrusa)) read_prusa(package_.read_text(kPrusa), modifiers_);
+    if (package_.has(kBambu)) read_bambu(package_.read_text(kBambu), modifiers_);
+    const ModelPart& root = part(path);
+    if (root.build.empty())
+      refuse(ErrorCode::kEmptyMesh, "The 3MF package has no build items: nothing in it is to be made.");
+    for (const Instance& item : root.build) add(item, path, Transform{}, kNoIndex, 0);
+    tell();
+    builder_.set_library(materials_.take());
+    Mesh mesh = or_throw(builder_.finish());
+    mesh.frame = {.metres = root.metres, .metres_stated = true, .z_up = true, .up_stated = true};
+    return mesh;
+  }
+
+ private:
+  static constexpr const char *kPrusa = "Metadata/Slic3r_PE_model.config",
+                              *kBambu = "Metadata/model_settings.config";
+
+  const ModelPart& part(const std::string& path) {
+    std::unique_ptr<const ModelPart>& known = parts_[lower_case(path)];
+    if (!known) {
+      known = std::make_unique<const ModelPart>(threemf::read_model_part(package_.read_text(path), path));
+      blended_ += known->blended;
+      unread_ += known->unread;
+    }
+    return *known;
+  }
+
+  /// `from`: the part that has the instance.
+  void add(const Instance& instance, const std::string& from, const Transform& parent, std::uint32_t group,
+           int depth) {
+    const std::string path = instance.part.empty() ? from : instance.part;
+    const ModelPart& of = part(path);
+    const auto found = of.objects.find(instance.object);
+    if (found == of.objects.end())
+      refuse(ErrorCode::kMalformedMesh, "The 3MF package refers to object " +
+                                            std::to_string(instance.object) + " of \"" +
+                                            shortened(printable(path)) + "\", which does not exist.");
+    if (depth > kMaxDepth)
+      refuse(ErrorCode::kMalformedMesh, "Object " + std::to_string(instance.object) + " of \"" +
+                                            shortened(printable(path)) + "\" contains itself.");
+    if (++instances_ > kMaxInstances)
+      refuse(ErrorCode::kTooLarge,
+             "The 3MF package has more than " + std::to_string(kMaxInstances) + " instances of objects.");
+    const Object& object = found->second;
+    if (object.type == "support" || object.type == "solidsupport" ||
+        modifiers_.objects.contains(instance.object)) {
+      ++left_out_;
+      return;
+    }
+    const Transform world = parent == Transform{}               ? instance.transform
+                            : instance.transform == Transform{} ? parent
+                                                                : parent * instance.transform;
+    if (!object.triangles.empty()) add_mesh(of, object, instance.object, world, group);
+    const std::uint32_t below = object.components.empty() ? group : builder_.add_group(object.name, group);
+    for (const Instance& component : object.components) add(component, path, world, below, depth + 1);
+  }
+
+  void add_mesh(const ModelPart& of, const Object& object, std::uint32_t id, const Transform& world,
+                std::uint32_t group) {
+    Surface surface;
+    const bool identity = world == Transform{}, mirrored = world.determinant() < 0;
+    const bool has_uvs = !object.uvs.empty();
+    const auto place = [&](std::uint32_t v) {
+      const Vec3d& p = object.vertices[v];
+      return to_float(identity ? p : world.point(p));
+    };
+    if (!has_uvs)
+      for (std::uint32_t v = 0; v < object.vertices.size(); ++v) surface.positions.push_back(place(v));
+    else
+      surface.attributes.uvs.emplace_back();
+    std::vector<std::array<std::uint32_t, 2>> ranges;
+    if (const auto modifier = modifiers_.triangles.find(id); modifier != modifiers_.triangles.end())
+      ranges = modifier->second;
+    std::sort(ranges.begin(), ranges.end());
+    std::size_t next = 0, left_out_until = 0;
+    for (std::size_t t = 0; t < object.triangles.size(); ++t) {
+      for (; next < ranges.size() && ranges[next][0] <= t; ++next)
+        left_out_until = std::max(left_out_until, std::size_t{ranges[next][1]} + 1);
+      if (t < left_out_until) continue;
+      std::array<std::uint32_t, 3> corners = object.triangles[t];
+      for (std::size_t k = 0; has_uvs && k < 3; ++k) {
+        surface.positions.push_back(place(corners[k]));
+        surface.attributes.uvs[0].push_back(t < object.uvs.size() ? object.uvs[t][k] : Vec2f{});
+        corners[k] = static_cast<std::uint32_t>(surface.positions.size() - 1);
+      }
+      if (mirrored) std::swap(corners[1], corners[2]);
+      surface.triangles.push_back(corners);
+      const std::uint32_t material = object.materials[t];
+      surface.materials.push_back(material == kNoIndex ? kNoIndex : materials_.slot(of.materials[material]));
+    }
+    left_out_ += ranges.size();
+    if (surface.triangles.empty()) return;
+    if (has_uvs) merge_identical_wedges(surface);
+    builder_.begin_node(object.name.empty() ? "mesh" : object.name, group);
+    if (auto added = builder_.add(std::move(surface)); !added) throw Refused{added.error()};
+  }
+
+  void tell() {
+    Remarks& remarks = builder_.remarks();
+    if (left_out_ > 0)
+      remarks.note(
+          counted(left_out_, "object or volume was", "objects or volumes were") +
+          " left out, because a slicer does not print them: supports, modifiers and negative volumes.");
+    if (blended_ > 0)
+      remarks.note(counted(blended_, "triangle blends", "triangles blend") +
+                   " several colours. The colour of the first corner was used for the whole triangle.");
+    if (unread_ > 0)
+      remarks.warn(
+          counted(unread_, "triangle has", "triangles have") +
+          " properties of a kind that is not read (such as multiproperties or composite materials), and "
+          "no material in the answer. Export the file with base materials, colours or textures.");
+  }
+
+  Package package_;
+  MeshBuilder builder_;
+  Materials materials_;
+  Modifiers modifiers_;
+  std::map<std::string, std::unique_ptr<const ModelPart>> parts_;
+  std::uint64_t instances_ = 0, left_out_ = 0, blended_ = 0, unread_ = 0;
+};
+
+}  // namespace
+
+Expected<Mesh> import_3mf(std::span<const std::byte> bytes, const ImportLimits& limits) {
+  try {
+    return Importer3mf(bytes, limits).read();
+  } catch (const Refused& refused) {
+    return tl::unexpected<Error>(refused.error);
+  }
+}
+
+}  // namespace fracture

@@ -1,0 +1,7 @@
+// Fuzz target: a whole STL file. Each result is a consistent Mesh or an Error with a sentence.
+#include "tests/fuzz/check_import.hpp"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  fracture::test::check_import(data, size, fracture::MeshFormat::kStl);
+  return 0;
+}

@@ -1,0 +1,130 @@
+// The estimate of answers with hits, compared with the answers that are made.
+#include "server/service/estimate_of_hits.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+
+#include "common/base/product.hpp"
+#include "server/service/admission.hpp"
+#include "server/service/estimate.hpp"
+#include "tests/support/shapes.hpp"
+#include "tests/support/solids.hpp"
+
+namespace fracture::test {
+namespace {
+
+struct Case {
+  const char* name;
+  Mesh mesh;
+  std::uint32_t sites;  ///< of the pattern; 0: the rest stays whole
+  std::vector<LocalImpact> hits;
+  double rough = 0;
+};
+
+RequestParameters asked_for(const Case& c) {
+  RequestParameters asked;
+  asked.fracture.sites = c.sites > 0 ? c.sites : 5000;
+  asked.fracture.rest = c.sites > 0 ? LocalRest::kFractured : LocalRest::kWhole;
+  asked.fracture.hits = c.hits;
+  asked.fracture.roughness = {c.rough, 5, 2};
+  return asked;
+}
+
+bool near(double expected, double made, double factor) {
+  return expected <= factor * made && made <= factor * expected;
+}
+
+TEST(EstimateOfHits, CountsWhatHitsMake) {
+  const LocalImpact on_top{{0, 0.5, 0}, 0.2, 30};
+  const std::vector<Case> cases{
+      {"cube, whole", cube(4), 0, {{{0, 0.5, 0}, 0.1, 20}}},
+      {"cube, few fragments", cube(4), 10, {on_top}},
+      {"cube", cube(4), 60, {on_top}},
+      {"cube, many fragments", cube(4), 1000, {on_top}},
+      {"cube, four hits at one place", cube(4), 30, {on_top, on_top, on_top, on_top}},
+      {"cube, far hits", cube(4), 30, {on_top, {{0, -0.5, 0}, 0.2, 30}}},
+      {"cube, rough", cube(4), 30, {on_top}, 0.03},
+      {"sphere", sphere_with(5000), 300, {{{1, 0, 0}, 0.3, 30}}},
+      {"plate", thin_plate(0.04, 8), 60, {{{0, 0, 0.02}, 0.2, 30}}},
+  };
+  for (const Case& c : cases) {
+    SCOPED_TRACE(c.name);
+    const Solid solid = solid_of(c.mesh);
+    RequestParameters asked = asked_for(c);
+    asked.physics = Physics::kNone;
+    const ExpectedAnswer expected = expected_answer(asked, solid);
+    Allowance allowance(0, UINT64_MAX, [](std::uint64_t) { return Allowance::Answer::kGranted; });
+    Execution execution;
+    execution.allowance = &allowance;
+    StageTimings timings;
+    const auto diagram = make_diagram(solid, asked.fracture, execution, timings);
+    ASSERT_TRUE(diagram) << diagram.error().detail;
+    const auto made = fracture(solid, *diagram, asked.fracture, execution, timings);
+    ASSERT_TRUE(made) << made.error().detail;
+    double triangles = 0;
+    for (const Fragment& f : made->set.fragments) triangles += static_cast<double>(f.indices.size() / 3);
+    const auto fragments = static_cast<double>(made->set.fragments.size()),
+               bytes = static_cast<double>(allowance.most_bytes());
+    if (std::getenv("FRACTURE_PRINT_ESTIMATES"))
+      std::printf("%s | fragments %.0f/%.0f | triangles %.0f/%.0f | bytes %.0f/%.0f\n", c.name,
+                  expected.fragments, fragments, expected.triangles, triangles, expected.working_bytes,
+                  bytes);
+    EXPECT_TRUE(near(expected.fragments, fragments, 2)) << expected.fragments << " of " << fragments;
+    EXPECT_TRUE(near(expected.triangles, triangles, 2.5)) << expected.triangles << " of " << triangles;
+    EXPECT_TRUE(near(expected.working_bytes, bytes, 2.5)) << expected.working_bytes << " of " << bytes;
+  }
+}
+
+TEST(EstimateOfHits, CountsNoPatternIfTheRestStaysWhole) {
+  const Solid solid = solid_of(cube(4));
+  RequestParameters asked = asked_for({"", {}, 0, {{{0, 0.5, 0}, 0.1, 20}}});
+  asked.fracture.max_volume = 1e-6;
+  asked.fracture.size.fragments = 5000;
+  const ExpectedAnswer few = expected_answer(asked, solid);
+  EXPECT_DOUBLE_EQ(few.sites, 1 + 20);
+  EXPECT_DOUBLE_EQ(few.fragments, 1 + 20);
+  EXPECT_DOUBLE_EQ(expected_sites(asked.fracture, &solid), 1 + 20);
+  asked.fracture.rest = LocalRest::kFractured;
+  EXPECT_GT(expected_answer(asked, solid).fragments, 4000);
+}
+
+TEST(EstimateOfHits, HitsAtOnePlaceMakeMoreThanHitsFarFromEachOther) {
+  const Solid solid = solid_of(cube(4));
+  RequestParameters near_by = asked_for({"", {}, 1, {}}), far = near_by;
+  for (int k = 0; k < 20; ++k) {
+    near_by.fracture.hits.push_back({{0, 0.5, 0}, 0.02, 50});
+    far.fracture.hits.push_back({{-0.5 + 0.05 * k, 0.5, 0}, 0.02, 50});
+  }
+  const HitNumbers one_place = expected_of_hits(near_by.fracture, solid, 1, 192),
+                   apart = expected_of_hits(far.fracture, solid, 1, 192);
+  EXPECT_DOUBLE_EQ(apart.fragments, 20 * 50);  // no two balls meet
+  EXPECT_GT(one_place.fragments, 20 * apart.fragments);
+  // Only the last hit, on the pieces of the others.
+  const HitNumbers last = expected_of_hits(near_by.fracture, solid, 1, 192, 19);
+  EXPECT_GT(last.fragments, 50);
+  EXPECT_LT(last.fragments, one_place.fragments / 5);
+  EXPECT_DOUBLE_EQ(last.sites, 50);
+}
+
+TEST(EstimateOfHits, IsRefusedWithTheNumberOfSitesThatFits) {
+  const Solid solid = solid_of(cube(4));
+  RequestParameters asked = asked_for({"", {}, 0, {}});
+  for (int k = 0; k < 40; ++k) asked.fracture.hits.push_back({{0, 0.5, 0}, 0.2, 200});
+  const double bytes = expected_answer(asked, solid).working_bytes;
+  const auto limit = static_cast<std::uint64_t>(bytes / 10);
+  const auto refused = cannot_fit(asked, solid, limit);
+  ASSERT_TRUE(refused);
+  EXPECT_EQ(refused->pointer, "local_sites");
+  const CostliestParameter fewer = costliest_parameter(asked, solid, static_cast<double>(limit));
+  ASSERT_TRUE(fewer.value.is_number_integer());
+  EXPECT_GE(fewer.value.get<int>(), 1);
+  EXPECT_LT(fewer.value.get<int>(), 200);
+  for (LocalImpact& hit : asked.fracture.hits) hit.sites = fewer.value.get<std::uint32_t>();
+  EXPECT_LE(expected_answer(asked, solid).working_bytes, static_cast<double>(limit));
+}
+
+}  // namespace
+}  // namespace fracture::test
