@@ -250,9 +250,11 @@ void add_node(const tinygltf::Model& model, const GltfScene& scene, const Vec3d&
     return;
   }
   const Transform& world = *scene.world[static_cast<std::size_t>(index)];
+  // Morph weights of its own may give the node another shape than those that share its mesh.
+  const std::uint32_t shared = node.weights.empty() ? static_cast<std::uint32_t>(node.mesh) : kNoIndex;
   for (const Transform& instance : gltf_instances(model, node, limits.max_triangles)) {
     const Transform m = instance == Transform{} ? world : world * instance;
-    builder.begin_node(name, group, {static_cast<std::uint32_t>(node.mesh), m.x, m.y, m.z, m.t});
+    builder.begin_node(name, group, {shared, m.x, m.y, m.z, m.t});
     builder.set_extras(extras);
     for (const RawSurface& raw : surfaces) add(builder, place(raw, m));
   }
