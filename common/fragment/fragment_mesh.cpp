@@ -30,10 +30,12 @@ Mesh fragment_mesh(const FragmentSet& set, std::size_t index, const Execution& e
     }
   mesh.node.assign(mesh.triangles.size(), f.node);
   mesh.node_names = set.source->node_names;
+  mesh.node_extras = set.source->node_extras;
   mesh.groups = set.source->groups;
   mesh.group_of_node = set.source->group_of_node;
   mesh.library = set.source->library;
   mesh.copyright = set.source->copyright;
+  mesh.dropped = set.source->dropped;
   return mesh;
 }
 

@@ -21,6 +21,7 @@ class ClusterNodes {
   /// Node indices of the root's children: the coarsest clusters, or the fragments (nodes 1, 2, …) if there are no
   /// levels.
   const std::vector<std::size_t>& roots() const { return roots_; }
+  std::size_t size() const { return nodes_.size(); }
   /// Appends the nodes.
   void write(JsonText& json, const GltfOptions& options) const;
 

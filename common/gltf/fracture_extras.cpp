@@ -183,6 +183,11 @@ void write_fragment_extras(JsonText& json, const FracturedSolid& fractured, std:
   json.end_object();
 }
 
+void write_source_extras(JsonText& json, const Mesh& source, std::uint32_t node) {
+  if (node < source.node_extras.size() && !source.node_extras[node].empty())
+    json.value_text(source.node_extras[node]);
+}
+
 void write_cluster_extras(JsonText& json, const Hierarchy& hierarchy, std::size_t level, std::size_t cluster,
                           const GltfOptions& options) {
   const Cluster& c = hierarchy.levels[level].clusters[cluster];

@@ -21,6 +21,9 @@ void write_root_extras(JsonText& json, const FracturedSolid& fractured, const Gl
 void write_fragment_extras(JsonText& json, const FracturedSolid& fractured, std::size_t index,
                            const GltfOptions& options);
 
+/// Appends the members of the extras that the node has in the source (Mesh::node_extras) to an object.
+void write_source_extras(JsonText& json, const Mesh& source, std::uint32_t node);
+
 /// Writes {cluster, level, parent, fragments, volume, mass, center_of_mass}. The cluster's id is called `cluster`,
 /// because only fragments have an `id`.
 void write_cluster_extras(JsonText& json, const Hierarchy& hierarchy, std::size_t level, std::size_t cluster,

@@ -8,6 +8,7 @@
 #include "common/gltf/accessors.hpp"
 #include "common/gltf/cluster_nodes.hpp"
 #include "common/gltf/container.hpp"
+#include "common/gltf/empty_nodes.hpp"
 #include "common/gltf/fracture_extras.hpp"
 #include "common/gltf/image_bytes.hpp"
 #include "common/gltf/intact_scene.hpp"
@@ -81,13 +82,15 @@ void write_document_extensions(JsonText& json, const FragmentSet& set, const Glt
 
 /// Returns the position of the root's `extras.fracture` object in the text.
 TextRange write_root(JsonText& json, const FracturedSolid& fractured, const GltfOptions& options,
-                     const SceneLayout& layout, const ClusterNodes& clusters, std::size_t whole) {
+                     const SceneLayout& layout, const ClusterNodes& clusters, std::size_t whole,
+                     const EmptyNodes& empty) {
   json.begin_object().member("name", "Fracture");
   write_offset(json, *fractured.set.source);
   if (!fractured.set.fragments.empty()) {
     json.key("children").begin_array();
     for (const std::size_t node : clusters.roots()) json.value(node);
     for (std::size_t k = 0; k < whole; ++k) json.value(layout.node_count() + k);
+    for (std::size_t k = 0; k < empty.size(); ++k) json.value(empty.first_node() + k);
     json.end_array();
   }
   json.key("extras").begin_object().key("fracture");
@@ -135,6 +138,7 @@ void write_fragment(JsonText& json, const FracturedSolid& fractured, std::size_t
   }
   json.key("extras").begin_object().key("fracture");
   write_fragment_extras(json, fractured, index, options);
+  write_source_extras(json, *fractured.set.source, f.node);
   json.end_object().end_object();
 }
 
@@ -163,8 +167,10 @@ TextRange write_nodes(JsonText& json, const FracturedSolid& fractured, const Glt
   }
   json.end_array().key("nodes").begin_array();
   const std::size_t fragments = fractured.set.fragments.size();
-  const ClusterNodes clusters(fractured, layout.node_count() + whole.size() + intact.node_count(), execution);
-  const TextRange figures = write_root(json, fractured, options, layout, clusters, whole.size());
+  const std::size_t first_cluster = layout.node_count() + whole.size() + intact.node_count();
+  const ClusterNodes clusters(fractured, first_cluster, execution);
+  const EmptyNodes empty(fractured.set, layout, whole, first_cluster + clusters.size(), execution);
+  const TextRange figures = write_root(json, fractured, options, layout, clusters, whole.size(), empty);
   for (std::size_t k = 0; k < fragments; ++k) write_fragment(json, fractured, k, options, layout);
   for (std::size_t k = 0; k < fragments; ++k) {
     write_collider_nodes(json, fractured.set.fragments[k], k, options, layout);
@@ -177,11 +183,13 @@ TextRange write_nodes(JsonText& json, const FracturedSolid& fractured, const Glt
   }
   for (std::size_t k = 0; k < whole.size(); ++k) {
     json.begin_object().member("name", whole[k].name).member("mesh", layout.mesh_count() + k);
-    json.key("extras").begin_object().key("whole").begin_object().member("node", whole[k].node);
-    json.end_object().end_object().end_object();
+    json.key("extras").begin_object().key("whole").begin_object().member("node", whole[k].node).end_object();
+    if (!whole[k].extras.empty()) json.value_text(whole[k].extras);
+    json.end_object().end_object();
   }
   intact.write_nodes(json, options);
   clusters.write(json, options);
+  empty.write(json);
   json.end_array();
   return figures;
 }

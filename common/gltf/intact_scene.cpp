@@ -43,7 +43,10 @@ IntactScene::IntactScene(const FracturedSolid& fractured, const GltfOptions& opt
                           (has_physics_ || ucx_ ? fractured.intact->hulls.of(k).size() : 0));
     node_count_ += children(k);
   }
-  for (const WholeNode& node : whole) whole_names_.push_back(names.add(node.name, kSuffix));
+  for (const WholeNode& node : whole) {
+    whole_names_.push_back(names.add(node.name, kSuffix));
+    whole_extras_.push_back(node.extras);
+  }
   first_node_ = layout.node_count() + whole.size();
   first_whole_mesh_ = layout.mesh_count();
   first_mesh_ = first_whole_mesh_ + whole.size();
@@ -118,7 +121,7 @@ void IntactScene::write_nodes(JsonText& json, const GltfOptions& options) const 
       json.begin_object().member("name", names_[k] + "_sheet").member("mesh", sheet_mesh++).end_object();
   }
   for (std::size_t k = 0; k < whole_names_.size(); ++k)
-    json.begin_object().member("name", whole_names_[k]).member("mesh", first_whole_mesh_ + k).end_object();
+    write_whole_node(json, whole_names_[k], first_whole_mesh_ + k, whole_extras_[k]);
 }
 
 void IntactScene::write_meshes(JsonText& json, const GltfOptions& options, MeshWriter& writer) const {

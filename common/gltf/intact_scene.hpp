@@ -60,7 +60,7 @@ class IntactScene {
   std::string root_name_;  ///< "Intact", or "Intact_2" if a node that was not fractured has that name
   std::vector<std::string> names_;       ///< per part
   std::vector<std::size_t> first_hull_;  ///< one per part, and the end
-  std::vector<std::string> whole_names_;
+  std::vector<std::string> whole_names_, whole_extras_;
   std::size_t first_whole_mesh_ = 0;
 };
 

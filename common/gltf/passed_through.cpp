@@ -64,12 +64,19 @@ void add_nodes(const Mesh& mesh, std::vector<std::uint32_t> order, UniqueNames& 
     pacer.step(16);
     std::string name = names.add(node < mesh.node_names.size() ? std::string_view(mesh.node_names[node])
                                                                : std::string_view("mesh"));
-    nodes.push_back(
-        {node, std::move(name), mesh_of(mesh, order.data() + first, order.data() + last, new_wedge, pacer)});
+    nodes.push_back({node, std::move(name),
+                     node < mesh.node_extras.size() ? mesh.node_extras[node] : std::string(),
+                     mesh_of(mesh, order.data() + first, order.data() + last, new_wedge, pacer)});
   }
 }
 
 }  // namespace
+
+void write_whole_node(JsonText& json, const std::string& name, std::size_t mesh, const std::string& extras) {
+  json.begin_object().member("name", name).member("mesh", mesh);
+  if (!extras.empty()) json.key("extras").begin_object().value_text(extras).end_object();
+  json.end_object();
+}
 
 std::vector<WholeNode> whole_nodes(const FragmentSet& set, const SceneLayout& layout,
                                    const Execution& execution) {

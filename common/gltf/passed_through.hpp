@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/fragment/fragments.hpp"
+#include "common/gltf/json_text.hpp"
 #include "common/gltf/scene_layout.hpp"
 
 namespace fracture {
@@ -15,10 +16,14 @@ namespace fracture {
 struct WholeNode {
   std::uint32_t node;  ///< index into Mesh::node_names
   std::string name;    ///< the source's, see kept_name(); a number is added if the name is taken
+  std::string extras;  ///< the source's (Mesh::node_extras)
   /// Only the members that the mesh writer needs: positions in the scene's frame, attributes, indices, and
   /// primitives in material order (triangles without a material last).
   Fragment mesh;
 };
+
+/// Writes a node {name, mesh, extras}.
+void write_whole_node(JsonText& json, const std::string& name, std::size_t mesh, const std::string& extras);
 
 /// Returns one for each node of the source that keeps triangles, in the source's order. Nodes with sheets come last.
 /// Throws Interrupted.

@@ -27,6 +27,17 @@ void write_barycenter(JsonText& json, const BarycenterReport& barycenter) {
   json.member("partition", false).member("skipped_hulls", barycenter.skipped_hulls).end_object();
 }
 
+void write_dropped(JsonText& json, const std::vector<Dropped>& dropped) {
+  json.begin_array();
+  for (const Dropped& entry : dropped)
+    json.begin_object()
+        .member("name", entry.name)
+        .member("reason", entry.reason)
+        .member("what", entry.what)
+        .end_object();
+  json.end_array();
+}
+
 void write_choices(JsonText& json, const std::vector<Choice>& choices) {
   json.begin_array();
   for (const Choice& choice : choices) {
@@ -179,6 +190,10 @@ void write_report(JsonText& json, const FracturedSolid& fractured) {
     json.key("contacts");
     write_contacts(json, *report.contacts);
   }
+  if (!report.dropped.empty()) {
+    json.key("dropped");
+    write_dropped(json, report.dropped);
+  }
   if (report.fragment)
     json.key("fragment")
         .begin_object()
@@ -287,6 +302,12 @@ void write_certificate(JsonText& json, const Certificate& certificate, const std
 nlohmann::json choices_document(const std::vector<Choice>& choices) {
   JsonText json;
   write_choices(json, choices);
+  return nlohmann::json::parse(json.text());
+}
+
+nlohmann::json dropped_document(const std::vector<Dropped>& dropped) {
+  JsonText json;
+  write_dropped(json, dropped);
   return nlohmann::json::parse(json.text());
 }
 

@@ -10,7 +10,7 @@
 namespace fracture {
 
 /// Writes {anchors {fragments}, barycenter {dropped, dropped_volume, partition, skipped_hulls}, choices (if there are any;
-/// see choices_document()), contacts {…}, fragment
+/// see choices_document()), contacts {…}, dropped (if anything is: a list of {name, reason, what}), fragment
 /// {id, volume}, frame {metres_per_unit, unit_from, up, up_from}, hulls {count, flat, simplified, excess},
 /// instances {fragments, shapes}, keep {cells, share},
 /// levels [number of clusters in each, then of fragments], notes, passed_through {triangles}, rough_cuts
@@ -25,6 +25,9 @@ void write_support(JsonText& json, const FragmentSet& set, const Support& suppor
 
 /// Returns the report's member `choices`: a list of {kind, parameters {name: value}, text}.
 nlohmann::json choices_document(const std::vector<Choice>& choices);
+
+/// Returns the report's member `dropped`: a list of {name, reason, what}.
+nlohmann::json dropped_document(const std::vector<Dropped>& dropped);
 
 /// Returns the report's member `contacts`: {alone, area, gap, listed {a, area, b, kind, normal, place, volume}, overlapping,
 /// pairs, parts, touching, volume}. The columns of `listed` are in the order of ContactReport::listed.

@@ -56,6 +56,8 @@ ExtendedSource::ExtendedSource(const Mesh& source, std::size_t wedges, std::size
   Mesh& mesh = *mesh_;
   mesh.frame = source.frame;
   mesh.node_names = source.node_names;
+  mesh.node_extras = source.node_extras;
+  mesh.empty_nodes = source.empty_nodes;
   mesh.groups = source.groups;
   mesh.group_of_node = source.group_of_node;
   mesh.instances = source.instances;

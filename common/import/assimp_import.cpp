@@ -14,7 +14,6 @@
 #include <utility>
 #include <vector>
 
-#include "common/base/words.hpp"
 #include "common/import/assimp_files.hpp"
 #include "common/import/assimp_materials.hpp"
 #include "common/import/assimp_polygons.hpp"
@@ -128,6 +127,27 @@ std::string group_name(const aiNode& node) {
   return node.mParent == nullptr || name.starts_with('<') ? std::string() : name;
 }
 
+void add_dropped(const aiMesh& mesh, std::vector<Dropped>& dropped) {
+  const std::string name = mesh.mName.C_Str();
+  if (mesh.HasBones()) dropped.push_back({"bones", name, "their pose is applied; fragments have no bones"});
+  if (mesh.mNumAnimMeshes > 0)
+    dropped.push_back({"morph targets", name, "fragments do not morph; the base shape is used"});
+  if ((mesh.mPrimitiveTypes & aiPrimitiveType_POINT) != 0)
+    dropped.push_back({"points", name, "only triangles are fractured"});
+  if ((mesh.mPrimitiveTypes & aiPrimitiveType_LINE) != 0)
+    dropped.push_back({"lines", name, "only triangles are fractured"});
+}
+
+void add_dropped(const aiScene& scene, std::vector<Dropped>& dropped) {
+  const auto add = [&](auto* const* entries, unsigned count, const char* what, const char* reason) {
+    for (unsigned k = 0; k < count; ++k)
+      if (entries[k] != nullptr) dropped.push_back({what, entries[k]->mName.C_Str(), reason});
+  };
+  add(scene.mAnimations, scene.mNumAnimations, "animation", "fragments are not animated");
+  add(scene.mLights, scene.mNumLights, "light", "answers have no lights");
+  add(scene.mCameras, scene.mNumCameras, "camera", "answers have no cameras");
+}
+
 Transform below(const Transform& parent, const aiNode& node) {
   const Transform local = to_transform(node.mTransformation);
   return parent == Transform{} ? local : local == Transform{} ? parent : parent * local;
@@ -188,8 +208,7 @@ void add_scene(const aiScene& scene, const std::vector<std::uint32_t>& slots, co
         refuse(ErrorCode::kMalformedMesh, "A node refers to a mesh that does not exist.");
       const aiMesh& mesh = *scene.mMeshes[node->mMeshes[k]];
       if (mesh.HasBones()) builder.remarks().note("Skins were baked in the bind pose.");
-      if (mesh.mNumAnimMeshes > 0)
-        builder.remarks().note("Morph targets were left out: the base shape is used.");
+      add_dropped(mesh, builder.dropped());
       const std::uint32_t material =
           mesh.mMaterialIndex < slots.size() ? slots[mesh.mMaterialIndex] : kNoIndex;
       Surface surface = to_surface(mesh, world, material);
@@ -255,9 +274,7 @@ Expected<Mesh> import_with_assimp(std::span<const std::byte> bytes, MeshFormat f
     TranslatedMaterials materials = translate_materials(*scene, files);
     builder.remarks().add(materials.remarks);
     builder.set_library(std::move(materials.library));
-    if (scene->mNumAnimations > 0)
-      builder.remarks().note(counted(scene->mNumAnimations, "animation was", "animations were") +
-                             " left out.");
+    add_dropped(*scene, builder.dropped());
     const Vec3d offset = offset_of(*scene);
     add_scene(*scene, materials.slot, offset, builder);
     SourceFrame frame = format == MeshFormat::kFbx ? fbx_frame(*scene, builder) : SourceFrame{};

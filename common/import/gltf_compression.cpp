@@ -162,6 +162,13 @@ std::vector<std::uint8_t> decode_meshopt(const json& extension, std::span<const 
   if (mode == "ATTRIBUTES") {
     if (stride % 4 != 0)
       refuse(ErrorCode::kMalformedMesh, "The byteStride has to be a multiple of 4.", pointer + "/byteStride");
+    // The first byte is the codec's number and its version.
+    if (!source.empty() && source[0] == 0xa1)
+      refuse(
+          ErrorCode::kUnsupportedFeature,
+          "The compressed view has version 1 of the vertex codec; only version 0 is supported. Compress the "
+          "file with EXT_meshopt_compression.",
+          pointer);
     result = meshopt_decodeVertexBuffer(out.data(), count, stride, source.data(), source.size());
   } else if (mode == "TRIANGLES" || mode == "INDICES") {
     if ((stride != 2 && stride != 4) || (mode == "TRIANGLES" && count % 3 != 0))

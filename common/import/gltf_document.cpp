@@ -1,11 +1,11 @@
 #include "common/import/gltf_document.hpp"
 
 #include <algorithm>
-#include <array>
 #include <optional>
 
-#include "common/base/words.hpp"
 #include "common/import/gltf_compression.hpp"
+#include "common/import/gltf_dropped.hpp"
+#include "common/import/gltf_extensions.hpp"
 #include "common/import/gltf_materials.hpp"
 #include "common/import/preflight.hpp"
 #include "common/import/refused.hpp"
@@ -15,12 +15,6 @@ namespace fracture {
 namespace {
 
 using nlohmann::json;
-
-/// Extensions that the reader implements itself. is_material_extension() recognizes those of materials and
-/// textures.
-constexpr std::array kGeometryExtensions = {"KHR_mesh_quantization", "KHR_draco_mesh_compression",
-                                            "EXT_meshopt_compression", "EXT_mesh_gpu_instancing",
-                                            "EXT_mesh_manifold"};
 
 const json kEmptyArray = json::array();
 
@@ -58,19 +52,7 @@ void check_version_and_extensions(const json& document) {
     refuse(ErrorCode::kUnsupportedFeature,
            "The document is glTF " + version.substr(0, 16) + "; only glTF 2.x is supported.",
            "/asset/version");
-  const json& required = array_at(document, "extensionsRequired");
-  for (std::size_t k = 0; k < required.size(); ++k) {
-    const std::string pointer = "/extensionsRequired/" + std::to_string(k);
-    if (!required[k].is_string())
-      refuse(ErrorCode::kMalformedMesh, "An extension's name has to be a string.", pointer);
-    const auto name = required[k].get<std::string>();
-    if (std::find(kGeometryExtensions.begin(), kGeometryExtensions.end(), name) ==
-            kGeometryExtensions.end() &&
-        !is_material_extension(name))
-      refuse(ErrorCode::kUnsupportedFeature,
-             "The file requires the extension " + name.substr(0, 80) + ", which is not supported.", pointer,
-             {{"extension", name.substr(0, 80)}});
-  }
+  check_required_extensions(document);
 }
 
 /// The bytes of every buffer: the GLB's chunk, data uris, and files of the upload. No others exist.
@@ -198,16 +180,11 @@ void gather_views(GltfDocument& document, const Buffers& buffers, const ImportLi
              "byteStride has to be a multiple of 4 from 4 to 252, not " + std::to_string(stride) + ".",
              pointer + "/byteStride");
     const std::uint64_t length = unsigned_at(source, "byteLength", kRequired, pointer);
-    const json* meshopt = nullptr;
-    if (const auto extensions = source.find("extensions");
-        extensions != source.end() && extensions->is_object())
-      if (const auto it = extensions->find("EXT_meshopt_compression");
-          it != extensions->end() && it->is_object())
-        meshopt = &*it;
+    const auto [name, meshopt] = meshopt_view(source);
     json view = {{"buffer", 0}, {"byteOffset", 0}, {"byteLength", length}};
     if (stride != 0) view["byteStride"] = stride;
     if (meshopt != nullptr) {
-      const std::string inner = pointer + "/extensions/EXT_meshopt_compression";
+      const std::string inner = pointer + "/extensions/" + name;
       const auto packed = buffers.slice(unsigned_at(*meshopt, "buffer", kRequired, inner),
                                         unsigned_at(*meshopt, "byteOffset", 0, inner),
                                         unsigned_at(*meshopt, "byteLength", kRequired, inner), inner);
@@ -323,6 +300,20 @@ json parse(std::string_view text, const ImportLimits& limits) {
   }
 }
 
+/// CESIUM_RTC: the place of the scene's origin, in the coordinates of the scene.
+Vec3d center_of(const json& document) {
+  const auto extensions = document.find("extensions");
+  if (extensions == document.end() || !extensions->is_object() || !extensions->contains("CESIUM_RTC"))
+    return {};
+  const json& extension = (*extensions)["CESIUM_RTC"];
+  const auto center = extension.is_object() ? extension.find("center") : extension.end();
+  if (center == extension.end() || !center->is_array() || center->size() != 3 ||
+      !std::all_of(center->begin(), center->end(), [](const json& c) { return c.is_number(); }))
+    refuse(ErrorCode::kMalformedMesh, "The center of CESIUM_RTC has to be three numbers.",
+           "/extensions/CESIUM_RTC/center");
+  return {(*center)[0].get<double>(), (*center)[1].get<double>(), (*center)[2].get<double>()};
+}
+
 }  // namespace
 
 std::uint64_t unsigned_at(const json& object, const char* key, std::uint64_t fallback,
@@ -392,9 +383,8 @@ GltfDocument read_gltf_document(std::span<const std::byte> bytes, MeshFormat for
   document.library = read_materials(document.json, view_bytes, files, document.remarks);
   if (document.json["asset"].contains("copyright") && document.json["asset"]["copyright"].is_string())
     document.copyright = document.json["asset"]["copyright"].get<std::string>();
-  if (!array_at(document.json, "animations").empty())
-    document.remarks.note(counted(document.json["animations"].size(), "animation was", "animations were") +
-                          " left out.");
+  document.dropped = dropped_from(document.json);
+  document.center = center_of(document.json);
 
   gather_views(document, buffers, limits);
   check_accessors(document.json, limits);

@@ -25,6 +25,8 @@ struct GltfDocument {
   MaterialLibrary library;
   std::string copyright;
   Remarks remarks;
+  std::vector<Dropped> dropped;  ///< things outside the scene graph that the answer does not contain
+  Vec3d center{};                ///< CESIUM_RTC: to add to the translations of the scene's nodes
 };
 
 /// Throws Refused with kMalformedMesh, kUnsupportedFeature, kExternalResource or kTooLarge, each with a JSON

@@ -1,6 +1,7 @@
 #include "common/import/gltf_import.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <map>
 #include <string>
 #include <utility>
@@ -8,7 +9,9 @@
 
 #include "common/import/gltf_accessor.hpp"
 #include "common/import/gltf_document.hpp"
+#include "common/import/gltf_dropped.hpp"
 #include "common/import/gltf_model.hpp"
+#include "common/import/gltf_morph.hpp"
 #include "common/import/gltf_offset.hpp"
 #include "common/import/gltf_skin.hpp"
 #include "common/import/mesh_builder.hpp"
@@ -24,6 +27,7 @@ namespace {
 /// Decoded once per mesh. Primitives with the same attribute accessors share wedges.
 struct RawSurface {
   std::map<std::string, int> accessors;
+  std::vector<MorphTarget> targets;
   std::vector<double> positions, normals, tangents;
   std::vector<std::vector<double>> uvs;
   std::vector<std::vector<double>> colors;  ///< 4 components
@@ -37,21 +41,19 @@ class MeshReader {
   MeshReader(const tinygltf::Model& model, std::size_t material_count, MeshBuilder& builder)
       : model_(model), material_count_(material_count), builder_(builder) {}
 
-  std::vector<RawSurface> read(const tinygltf::Mesh& mesh) const {
+  /// `node`: the one that shows the mesh, because it may have morph weights of its own.
+  std::vector<RawSurface> read(const tinygltf::Mesh& mesh, const tinygltf::Node& node) const {
     std::vector<RawSurface> surfaces;
     for (const tinygltf::Primitive& primitive : mesh.primitives) {
-      if (primitive.mode < TINYGLTF_MODE_TRIANGLES || primitive.mode > TINYGLTF_MODE_TRIANGLE_FAN) {
-        builder_.remarks().note("Points and lines were left out.");
-        continue;
-      }
+      if (primitive.mode < TINYGLTF_MODE_TRIANGLES || primitive.mode > TINYGLTF_MODE_TRIANGLE_FAN)
+        continue;  // points and lines
       if (primitive.attributes.count("POSITION") == 0)
         continue;  // according to the specification, such a primitive is not drawn
-      if (!primitive.targets.empty())
-        builder_.remarks().note("Morph targets were left out: the base shape is used.");
+      const std::vector<MorphTarget> targets = active_targets(primitive, mesh, node);
       auto it = std::find_if(surfaces.begin(), surfaces.end(), [&](const RawSurface& surface) {
-        return surface.accessors == primitive.attributes;
+        return surface.accessors == primitive.attributes && surface.targets == targets;
       });
-      if (it == surfaces.end()) it = surfaces.insert(surfaces.end(), read_attributes(primitive));
+      if (it == surfaces.end()) it = surfaces.insert(surfaces.end(), read_attributes(primitive, targets));
       std::vector<std::uint32_t> indices;
       const std::size_t vertices = it->positions.size() / 3;
       if (primitive.indices >= 0) {
@@ -77,9 +79,11 @@ class MeshReader {
   }
 
  private:
-  RawSurface read_attributes(const tinygltf::Primitive& primitive) const {
+  RawSurface read_attributes(const tinygltf::Primitive& primitive,
+                             const std::vector<MorphTarget>& targets) const {
     RawSurface raw;
     raw.accessors = primitive.attributes;
+    raw.targets = targets;
     raw.positions = read_accessor(model_, primitive.attributes.at("POSITION"), 3);
     const std::size_t count = raw.positions.size() / 3;
     const auto read = [&](const std::string& name, int width) -> std::vector<double> {
@@ -112,7 +116,22 @@ class MeshReader {
       raw.joints.push_back(read(numbered("JOINTS_", k), 4));
       raw.weights.push_back(read(numbered("WEIGHTS_", k), 4));
     }
+    if (!targets.empty()) morph(raw);
     return raw;
+  }
+
+  void morph(RawSurface& raw) const {
+    Remarks& remarks = builder_.remarks();
+    bool moved = false;
+    const auto add = [&](const std::string& attribute, std::size_t stride, std::vector<double>& values) {
+      moved = add_displacements(model_, raw.targets, attribute, stride, values, remarks) || moved;
+    };
+    add("POSITION", 3, raw.positions);
+    add("NORMAL", 3, raw.normals);
+    add("TANGENT", 4, raw.tangents);
+    for (std::size_t k = 0; k < raw.uvs.size(); ++k) add("TEXCOORD_" + std::to_string(k), 2, raw.uvs[k]);
+    for (std::size_t k = 0; k < raw.colors.size(); ++k) add("COLOR_" + std::to_string(k), 4, raw.colors[k]);
+    if (moved) remarks.note("Morph targets were applied at their default weights.");
   }
 
   const tinygltf::Model& model_;
@@ -203,14 +222,14 @@ void add(MeshBuilder& builder, Surface surface) {
   if (auto added = builder.add(std::move(surface)); !added) throw Refused{added.error()};
 }
 
-/// `group`: of the nodes above. `offset`: what was subtracted from the scene.
+/// `group`: of the nodes above. `offset`: what was subtracted from the scene. `extras`: of the node (Mesh::node_extras).
 void add_node(const tinygltf::Model& model, const GltfScene& scene, const Vec3d& offset, int index,
-              std::uint32_t group, const MeshReader& reader, MeshBuilder& builder,
+              std::uint32_t group, const std::string& extras, const MeshReader& reader, MeshBuilder& builder,
               const ImportLimits& limits) {
   const tinygltf::Node& node = model.nodes[static_cast<std::size_t>(index)];
   if (node.mesh < 0) return;
   const tinygltf::Mesh& mesh = at(model.meshes, node.mesh, "mesh");
-  const std::vector<RawSurface> surfaces = reader.read(mesh);
+  const std::vector<RawSurface> surfaces = reader.read(mesh, node);
   const std::string name = !node.name.empty() ? node.name : !mesh.name.empty() ? mesh.name : "mesh";
   if (name != mesh.name) group = builder.add_group(mesh.name, group);
   const bool skinned = node.skin >= 0 && std::any_of(surfaces.begin(), surfaces.end(),
@@ -220,6 +239,7 @@ void add_node(const tinygltf::Model& model, const GltfScene& scene, const Vec3d&
     const Skinning skinning(joint_matrices(model, scene, at(model.skins, node.skin, "skin"), offset),
                             largest_coordinate(surfaces), offset);
     builder.begin_node(name, group);
+    builder.set_extras(extras);
     builder.remarks().note(
         skinning.rigid() ? "Skins were baked in the bind pose."
                          : "Skins were baked in the pose that the file stores, which is not the bind pose.");
@@ -230,9 +250,12 @@ void add_node(const tinygltf::Model& model, const GltfScene& scene, const Vec3d&
     return;
   }
   const Transform& world = *scene.world[static_cast<std::size_t>(index)];
+  // Morph weights of its own may give the node another shape than those that share its mesh.
+  const std::uint32_t shared = node.weights.empty() ? static_cast<std::uint32_t>(node.mesh) : kNoIndex;
   for (const Transform& instance : gltf_instances(model, node, limits.max_triangles)) {
     const Transform m = instance == Transform{} ? world : world * instance;
-    builder.begin_node(name, group, {static_cast<std::uint32_t>(node.mesh), m.x, m.y, m.z, m.t});
+    builder.begin_node(name, group, {shared, m.x, m.y, m.z, m.t});
+    builder.set_extras(extras);
     for (const RawSurface& raw : surfaces) add(builder, place(raw, m));
   }
 }
@@ -245,18 +268,23 @@ Expected<Mesh> import_gltf(std::span<const std::byte> bytes, MeshFormat format, 
     GltfDocument document = read_gltf_document(bytes, format, limits, files);
     MeshBuilder builder(limits);
     builder.remarks().add(document.remarks);
+    builder.dropped() = std::move(document.dropped);
     const std::size_t material_count = document.library.materials.size();
     builder.set_library(std::move(document.library));
     builder.set_copyright(document.copyright);
     const tinygltf::Model model = load_gltf_model(document);
     const MeshReader reader(model, material_count, builder);
-    GltfScene scene = walk_gltf_scene(model);
+    GltfScene scene = walk_gltf_scene(model, document.center);
     const Vec3d offset = gltf_offset(model, scene, limits.max_triangles);
     subtract(offset, scene);
+    OtherNodes others = other_nodes(document.json, model, scene);
+    std::ranges::move(others.dropped, std::back_inserter(builder.dropped()));
+    builder.set_empty_nodes(std::move(others.kept));
     std::vector<std::uint32_t> group_above(model.nodes.size(), kNoIndex);
     for (const int index : scene.order) {  // parents come before their children
       const auto at = static_cast<std::size_t>(index);
-      add_node(model, scene, offset, index, group_above[at], reader, builder, limits);
+      add_node(model, scene, offset, index, group_above[at], carried_extras(document.json["nodes"][at]),
+               reader, builder, limits);
       const tinygltf::Node& node = model.nodes[at];
       if (node.children.empty()) continue;
       const std::uint32_t group = builder.add_group(node.name, group_above[at]);

@@ -41,6 +41,14 @@ Transform local_transform(const tinygltf::Node& node) {
   return compose(vector(node.translation, 0), q, vector(node.scale, 1));
 }
 
+/// KHR_node_visibility: nodes are visible unless they say otherwise.
+bool is_visible(const tinygltf::Node& node) {
+  const auto extension = node.extensions.find("KHR_node_visibility");
+  if (extension == node.extensions.end() || !extension->second.IsObject()) return true;
+  const tinygltf::Value& visible = extension->second.Get("visible");
+  return !visible.IsBool() || visible.Get<bool>();
+}
+
 }  // namespace
 
 tinygltf::Model load_gltf_model(GltfDocument& document) {
@@ -72,7 +80,7 @@ tinygltf::Model load_gltf_model(GltfDocument& document) {
   return model;
 }
 
-GltfScene walk_gltf_scene(const tinygltf::Model& model) {
+GltfScene walk_gltf_scene(const tinygltf::Model& model, const Vec3d& center) {
   GltfScene scene;
   scene.world.resize(model.nodes.size());
   std::vector<int> roots;
@@ -86,10 +94,17 @@ GltfScene walk_gltf_scene(const tinygltf::Model& model) {
     for (std::size_t n = 0; n < child.size(); ++n)
       if (!child[n]) roots.push_back(static_cast<int>(n));
   }
-  std::vector<std::pair<int, Transform>> stack;
-  for (auto it = roots.rbegin(); it != roots.rend(); ++it) stack.emplace_back(*it, Transform{});
+  struct Waiting {
+    int node;
+    Transform parent;
+    bool is_hidden;
+  };
+  Transform origin;
+  origin.t = center;
+  std::vector<Waiting> stack;
+  for (auto it = roots.rbegin(); it != roots.rend(); ++it) stack.push_back({*it, origin, false});
   while (!stack.empty()) {
-    const auto [index, parent] = stack.back();
+    const auto [index, parent, above_is_hidden] = stack.back();
     stack.pop_back();
     const tinygltf::Node& node = at(model.nodes, index, "node");
     auto& world = scene.world[static_cast<std::size_t>(index)];
@@ -99,8 +114,10 @@ GltfScene walk_gltf_scene(const tinygltf::Model& model) {
              "/nodes/" + std::to_string(index));
     const Transform local = local_transform(node);
     world = parent == Transform{} ? local : local == Transform{} ? parent : parent * local;
-    scene.order.push_back(index);
-    for (auto it = node.children.rbegin(); it != node.children.rend(); ++it) stack.emplace_back(*it, *world);
+    const bool is_hidden = above_is_hidden || !is_visible(node);
+    (is_hidden ? scene.hidden : scene.order).push_back(index);
+    for (auto it = node.children.rbegin(); it != node.children.rend(); ++it)
+      stack.push_back({*it, *world, is_hidden});
   }
   return scene;
 }

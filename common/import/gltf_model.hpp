@@ -22,10 +22,13 @@ tinygltf::Model load_gltf_model(GltfDocument& document);
 struct GltfScene {
   std::vector<std::optional<Transform>> world;
   std::vector<int> order;
+  std::vector<int>
+      hidden;  ///< not in `order`: nodes that KHR_node_visibility hides, and the nodes below them
 };
 
-/// Throws Refused if the nodes are not a tree or refer to something that does not exist.
-GltfScene walk_gltf_scene(const tinygltf::Model& model);
+/// `center`: added to the translations of the scene's roots (GltfDocument::center). Throws Refused if the nodes are not a
+/// tree or refer to something that does not exist.
+GltfScene walk_gltf_scene(const tinygltf::Model& model, const Vec3d& center = {});
 
 /// EXT_mesh_gpu_instancing: one transform per instance, or only the identity. Throws Refused.
 std::vector<Transform> gltf_instances(const tinygltf::Model& model, const tinygltf::Node& node,

@@ -123,6 +123,8 @@ Expected<Mesh> import_mesh(std::span<const std::byte> bytes, MeshFormat format, 
     for (std::string& sentence :
          *list)  // they quote the file, shortened to a length that may divide a character
       sentence = name_as_utf8(sentence);
+  for (Dropped& entry : mesh->dropped) entry.name = name_as_utf8(entry.name);
+  shorten_dropped(mesh->dropped);
   complete_attributes(*mesh);
   mesh->triangle_color = surface_colors(*mesh, mesh->remarks);
   return mesh;

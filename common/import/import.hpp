@@ -8,6 +8,7 @@
 // The preflight is needed because the libraries trust the numbers in a file. tinygltf accepts an accessor with
 // 2^31 elements. RapidJSON inside Assimp overflows the stack on 400 KB of '['. Both libraries open any local
 // file that a uri names. Our own readers check each number themselves.
+// README.md in this folder says which features of each format are kept, applied, dropped or refused.
 #pragma once
 
 #include <cstddef>

@@ -59,6 +59,12 @@ void MeshBuilder::begin_node(std::string name, std::uint32_t group, const MeshIn
   mesh_.instances.push_back(instance);
 }
 
+void MeshBuilder::set_extras(std::string members) {
+  if (members.empty()) return;
+  mesh_.node_extras.resize(mesh_.node_names.size());
+  mesh_.node_extras.back() = std::move(members);
+}
+
 Expected<void> MeshBuilder::add(Surface surface) {
   const std::size_t before = mesh_.positions.size(), count = surface.positions.size();
   for (const auto& triangle : surface.triangles)
@@ -121,6 +127,7 @@ void MeshBuilder::pad_to(std::size_t size) {
 Expected<Mesh> MeshBuilder::finish() {
   if (mesh_.triangles.empty()) return fail(ErrorCode::kEmptyMesh, "The file has no triangles.");
   if (mesh_.groups.empty()) mesh_.group_of_node.clear();
+  if (!mesh_.node_extras.empty()) mesh_.node_extras.resize(mesh_.node_names.size());
   pad_to(mesh_.positions.size());
   for (std::size_t v = 0; v < mesh_.positions.size(); ++v) {
     if (finite(mesh_.positions[v])) continue;

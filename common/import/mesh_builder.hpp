@@ -32,9 +32,13 @@ class MeshBuilder {
   std::uint32_t add_group(std::string name, std::uint32_t parent);
   /// Begins a mesh instance in a group (kNoIndex: none). The surfaces added next belong to it.
   void begin_node(std::string name, std::uint32_t group = kNoIndex, const MeshInstance& instance = {});
+  /// Sets the extras of the mesh instance begun last (Mesh::node_extras).
+  void set_extras(std::string members);
   /// Adds a surface. Errors: kMalformedMesh (a triangle uses a vertex that does not exist), kTooLarge.
   Expected<void> add(Surface surface);
   Remarks& remarks() { return mesh_.remarks; }
+  std::vector<Dropped>& dropped() { return mesh_.dropped; }
+  void set_empty_nodes(std::vector<EmptyNode> nodes) { mesh_.empty_nodes = std::move(nodes); }
   void set_library(MaterialLibrary library);
   void set_copyright(std::string copyright) { mesh_.copyright = std::move(copyright); }
 

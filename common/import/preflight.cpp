@@ -27,7 +27,6 @@ std::string beginning_of(std::span<const std::byte> bytes) {
   return "\"" + shown + "\"";
 }
 
-
 }  // namespace
 
 Expected<GlbChunks> split_glb(std::span<const std::byte> bytes) {

@@ -40,6 +40,17 @@ std::string written(double value) {
   return {text, end};
 }
 
+/// Turns the node like the positions, and its own axes with it: what stands upright on its z axis stands on its y axis
+/// afterwards.
+void turn_axes(EmptyNode& node) {
+  const auto turned = [](const Vec3d& v) { return Vec3d{v.x, v.z, 0.0 - v.y}; };
+  const Vec3d y = turned(node.z), z = -1.0 * turned(node.y);
+  node.x = turned(node.x);
+  node.y = y;
+  node.z = z;
+  node.t = turned(node.t);
+}
+
 }  // namespace
 
 const char* name_of(FrameReport::From from) {
@@ -81,6 +92,10 @@ Expected<FrameReport> to_metres_y_up(Mesh& mesh, const FrameOptions& options) {
                         std::to_string(metres) + " m).",
                     "unit", {{"vertex", v}});
     }
+  for (EmptyNode& node : mesh.empty_nodes) {
+    node.t = metres * node.t;
+    if (z_up) turn_axes(node);
+  }
   Vec3d offset = metres * mesh.frame.offset;
   if (z_up) {
     turn(offset);

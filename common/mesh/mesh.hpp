@@ -58,6 +58,17 @@ struct NodeGroup {
   friend bool operator==(const NodeGroup&, const NodeGroup&) = default;
 };
 
+/// A node of the source without a mesh, and without one below it: a socket, the place of a lamp. Answers have it below their
+/// root.
+struct EmptyNode {
+  std::string name;  ///< UTF-8, possibly repeated
+  /// From the node to the frame of Mesh::positions: the columns of the linear part, which are perpendicular to each other and
+  /// not zero, and the translation.
+  Vec3d x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1}, t{0, 0, 0};
+  std::string extras{};  ///< as in Mesh::node_extras
+  friend bool operator==(const EmptyNode&, const EmptyNode&) = default;
+};
+
 /// How a node of the source placed a mesh that several nodes may share.
 struct MeshInstance {
   std::uint32_t mesh =
@@ -81,6 +92,10 @@ struct Mesh {
   std::vector<std::uint32_t>
       group_of_node{};                    ///< per node: its innermost group, or kNoIndex; empty: no groups
   std::vector<MeshInstance> instances{};  ///< one for each of node_names; empty: none is known
+  /// Per node: the members of its extras, as JSON text without the braces ("\"hp\":120"); an empty text: none. Empty: no node
+  /// has any. Without the members `fracture`, `intact` and `whole`, which answers write themselves.
+  std::vector<std::string> node_extras{};
+  std::vector<EmptyNode> empty_nodes{};
   std::vector<SurfaceColor>
       triangle_color;  ///< per triangle (surface_color/surface_colors.hpp); empty: none is known
   std::shared_ptr<const MaterialLibrary> library = empty_library();

@@ -65,6 +65,7 @@ Mesh part_of(const Mesh& mesh, const std::vector<bool>& selected, bool wanted) {
   part.material = gathered(mesh.material, triangles);
   part.node = gathered(mesh.node, triangles);
   part.node_names = mesh.node_names;
+  part.node_extras = mesh.node_extras;
   part.groups = mesh.groups;
   part.group_of_node = mesh.group_of_node;
   part.instances = mesh.instances;
@@ -117,6 +118,7 @@ Expected<void> restrict_to(Mesh& mesh, const PartSelection& selection) {
   Mesh kept = part_of(mesh, selected, true);
   kept.remarks = std::move(mesh.remarks);
   kept.dropped = std::move(mesh.dropped);
+  kept.empty_nodes = std::move(mesh.empty_nodes);
   kept.passed_through = std::move(rest);
   mesh = std::move(kept);
   return {};

@@ -103,12 +103,14 @@ class Reader {
   }
 
   /// Visits a node and its children. Parents only group their children: only the nodes of instances are rotated
-  /// or scaled. An answer has two or three levels, and one more for each level of clusters (at most 8).
+  /// or scaled. Nodes of the source without a mesh are left out. An answer has two or three levels, and one more for each level
+  /// of clusters (at most 8).
   void walk(std::uint64_t index, Vec3f place, int depth = 0, bool carried = false) {
     constexpr int kDeepest = 64;
     const json& node = element(document_, "nodes", index);
     if (seen_.at(index) || depth > kDeepest) throw Broken{"its nodes are not a tree"};
     seen_[index] = true;
+    if (!node.contains("mesh") && !node.contains("children")) return;  // an empty node of the source
     const bool turned = node.contains("rotation") || node.contains("scale");
     if (node.contains("matrix")) throw Broken{"node " + std::to_string(index) + " has a matrix"};
     const auto by = node.find("translation");

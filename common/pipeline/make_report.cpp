@@ -20,6 +20,7 @@ void report_sites(const Solid& solid, const SiteNotes& sites, const FragmentSet&
   report.sites = sites.figures;
   report.remarks = solid.remarks();
   report.remarks.add(sites.remarks);
+  if (solid.source) report.dropped = solid.source->dropped;
   if (set.lattice_ratio > 1e-5)
     report.remarks.warn(
         "The mesh is far from the origin relative to its size, so coordinates in the answer are rounded by up to "

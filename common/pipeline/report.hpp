@@ -103,6 +103,7 @@ struct Report {
   std::optional<std::uint64_t> passed_through{};
   std::vector<Choice> choices{};  ///< of the solid, and those that the caller adds
   Remarks remarks;
+  std::vector<Dropped> dropped{};  ///< of the source (Mesh::dropped)
   bool operator==(const Report&) const = default;
 };
 

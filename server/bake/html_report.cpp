@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "common/base/json_text.hpp"
+#include "common/mesh/dropped.hpp"
 #include "server/bake/output_path.hpp"
 #include "server/bake/report.hpp"
 
@@ -49,7 +50,7 @@ tbody tr:nth-child(even) { background: var(--band); }
 .warn { color: var(--warn); }
 .notes { color: var(--soft); }
 .notes summary { cursor: pointer; }
-ul + .notes { margin-top: .3rem; }
+ul + .notes, .notes + .notes { margin-top: .3rem; }
 ul { margin: 0; padding: 0; list-style: none; }
 li + li { margin-top: .3rem; }
 @media (max-width: 45rem) {
@@ -190,14 +191,32 @@ std::string items_of(const json& line, const char* list) {
 
 std::string list_of(const std::string& items) { return items.empty() ? "" : "<ul>" + items + "</ul>"; }
 
-/// Returns the table cell with the warnings, and below them the notes in a collapsed element.
+/// Returns what the report line says was dropped as <li> elements.
+std::string dropped_items(const json& line) {
+  std::string items;
+  if (const auto list = line.find("dropped"); list != line.end() && list->is_array())
+    for (const json& entry : *list)
+      items += "<li>" +
+               as_html(to_text({text_in(entry, "what"), text_in(entry, "name"), text_in(entry, "reason")})) +
+               "</li>";
+  return items;
+}
+
+std::string collapsed(const char* title, const json& list, const std::string& items) {
+  return "<details class=\"notes\"><summary>" + std::string(title) + ": " + grouped(list.size()) +
+         "</summary>" + list_of(items) + "</details>";
+}
+
+/// Returns the table cell with the warnings, and below them what was dropped and the notes in collapsed elements.
 std::string remarks_cell(const json& line, const std::string& of_picture) {
-  std::string warnings = items_of(line, "warnings"), notes = items_of(line, "notes");
+  std::string warnings = items_of(line, "warnings");
+  const std::string notes = items_of(line, "notes");
   if (!of_picture.empty()) warnings += "<li>No picture: " + as_html(of_picture) + "</li>";
-  if (!notes.empty())
-    notes = "<details class=\"notes\"><summary>Notes: " + grouped(line.at("notes").size()) + "</summary>" +
-            list_of(notes) + "</details>";
-  return "<td class=\"why warn\">" + list_of(warnings) + notes + "</td>";
+  std::string cell = "<td class=\"why warn\">" + list_of(warnings);
+  if (const std::string dropped = dropped_items(line); !dropped.empty())
+    cell += collapsed("Dropped", line.at("dropped"), dropped);
+  if (!notes.empty()) cell += collapsed("Notes", line.at("notes"), notes);
+  return cell + "</td>";
 }
 
 std::string made_row(const json& line, const std::string& page, bool pictures) {
@@ -289,7 +308,7 @@ std::string html_report(const HtmlHead& head, const std::vector<json>& lines) {
     if (pictures) page += "<th></th>";
     page +=
         "<th>Mesh</th><th class=\"n\">Fragments</th><th class=\"n\">ms</th><th class=\"n\">Size</th>"
-        "<th>Warnings and notes</th></tr></thead>\n<tbody>\n";
+        "<th>Warnings, dropped things and notes</th></tr></thead>\n<tbody>\n";
     for (const json* line : made) page += made_row(*line, head.path, pictures);
     page += "</tbody>\n</table>\n";
   }

@@ -17,6 +17,7 @@
 
 #include "common/base/printable.hpp"
 #include "common/gltf/report_text.hpp"
+#include "common/mesh/dropped.hpp"
 #include "server/bake/atomic_file.hpp"
 #include "server/bake/depfile.hpp"
 #include "server/bake/explain.hpp"
@@ -359,6 +360,9 @@ class Run {
     for (const std::string& warning : remarks.warnings) say(mesh + ": warning: " + warning);
     if (!options_.quiet)
       for (const std::string& note : remarks.notes) say(mesh + ": note: " + note);
+    const std::vector<Dropped>& dropped = baked->summary.dropped;
+    if (!options_.quiet)
+      for (const Dropped& entry : dropped) say(mesh + ": dropped: " + to_text(entry));
     json line = {{"status", "made"},
                  {"key", keys.result},
                  {"mesh", "sha256:" + keys.digest},
@@ -368,6 +372,7 @@ class Run {
                  {"certificate", certificate_document(baked->summary.certificate)}};
     if (!remarks.warnings.empty()) line["warnings"] = remarks.warnings;
     if (!remarks.notes.empty()) line["notes"] = remarks.notes;
+    if (!dropped.empty()) line["dropped"] = dropped_document(dropped);
     for (const WrittenFile& file : std::span(*written).subspan(1))
       line["beside"].push_back(
           {{"path", file.path}, {"digest", "sha256:" + file.digest.hex()}, {"bytes", file.bytes}});

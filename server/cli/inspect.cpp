@@ -17,6 +17,7 @@
 #include "common/base/words.hpp"
 #include "common/contacts/contact_report.hpp"
 #include "common/gltf/report_text.hpp"
+#include "common/mesh/dropped.hpp"
 #include "common/mesh/material_library.hpp"
 #include "common/pipeline/overlaps.hpp"
 #include "server/bake/failure.hpp"
@@ -98,6 +99,8 @@ void print(const std::string& input, const PreparedMesh& mesh, const ForRequest&
   remarks.add(asked.remarks);
   for (const std::string& warning : remarks.warnings) std::printf("  warning: %s\n", warning.c_str());
   for (const std::string& note : remarks.notes) std::printf("  note: %s\n", note.c_str());
+  for (const Dropped& entry : source.dropped)
+    std::printf("  dropped: %s\n", printable(to_text(entry)).c_str());
   for (const auto* choices : {&r.choices, &asked.choices})
     for (const Choice& choice : *choices) std::printf("  choice: %s\n", in_words(choice).c_str());
 }

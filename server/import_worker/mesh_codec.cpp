@@ -18,7 +18,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::uint32_t kMagic = 0x35524d46;  // "FMR5"; the digit is raised with every change of the layout
+constexpr std::uint32_t kMagic = 0x36524d46;  // "FMR6"; the digit is raised with every change of the layout
 enum Kind : std::uint32_t { kMesh = 1, kError = 2 };
 
 /// Maximum length of an error's text, and maximum number of UV or colour sets. glTF readers support far fewer sets.
@@ -67,6 +67,13 @@ void write_mesh(ByteWriter& out, const Mesh& mesh) {
   out.array(mesh.node);
   out.array(mesh.triangle_color);
   write_texts(out, mesh.node_names);
+  write_texts(out, mesh.node_extras);
+  out.value<std::uint64_t>(mesh.empty_nodes.size());
+  for (const EmptyNode& node : mesh.empty_nodes) {
+    out.text(node.name);
+    out.text(node.extras);
+    for (const Vec3d& column : {node.x, node.y, node.z, node.t}) out.value(column);
+  }
   out.value<std::uint64_t>(mesh.groups.size());
   for (const NodeGroup& group : mesh.groups) {
     out.text(group.name);
@@ -94,6 +101,9 @@ void write_mesh(ByteWriter& out, const Mesh& mesh) {
   out.text(mesh.copyright);
   write_texts(out, mesh.remarks.warnings);
   write_texts(out, mesh.remarks.notes);
+  out.value<std::uint64_t>(mesh.dropped.size());
+  for (const Dropped& entry : mesh.dropped)
+    for (const std::string* text : {&entry.what, &entry.name, &entry.reason}) out.text(*text);
 }
 
 void require(bool promise, const char* what) {
@@ -125,6 +135,27 @@ json read_json(ByteReader& in, const ImportLimits& limits) {
   auto read = fracture::read_json(text, {limits.max_json_depth + 8, kMaxListBytes});
   if (!read) throw BadReply("a JSON " + to_text(read.error()));
   return std::move(read->value);
+}
+
+/// The text is written into answers as it is, so it must be the members of an object.
+void check_extras(const std::string& members, const ImportLimits& limits) {
+  if (members.empty()) return;
+  const auto read = fracture::read_json("{" + members + "}", {limits.max_json_depth + 8, kMaxListBytes});
+  require(read && read->value.is_object() && !read->value.empty(), "the extras of a node are not JSON");
+  for (const char* own : {"fracture", "intact", "whole"})
+    require(!read->value.contains(own), "the extras of a node are those of an answer");
+}
+
+void read_empty_node(ByteReader& in, const ImportLimits& limits, EmptyNode& node) {
+  node.name = in.text();
+  node.extras = in.text();
+  require(is_utf8(node.name) && is_utf8(node.extras), "a text is not UTF-8");
+  check_extras(node.extras, limits);
+  for (Vec3d* column : {&node.x, &node.y, &node.z, &node.t}) {
+    *column = in.value<Vec3d>();
+    require(std::isfinite(column->x) && std::isfinite(column->y) && std::isfinite(column->z),
+            "a node's transform is not finite");
+  }
 }
 
 json read_objects(ByteReader& in, const ImportLimits& limits) {
@@ -170,6 +201,8 @@ void check_mesh(const Mesh& mesh, const ImportLimits& limits) {
   for (std::size_t k = 0; k < mesh.groups.size(); ++k)
     require(mesh.groups[k].parent < k || mesh.groups[k].parent == kNoIndex,
             "a group of nodes is not in a tree");
+  require(mesh.node_extras.empty() || mesh.node_extras.size() == mesh.node_names.size(),
+          "the extras are not given for every node");
   require(mesh.group_of_node.empty() || mesh.group_of_node.size() == mesh.node_names.size(),
           "the group is not given for every node");
   for (const std::uint32_t group : mesh.group_of_node)
@@ -198,6 +231,10 @@ Mesh read_mesh(ByteReader& in, const ImportLimits& limits) {
   mesh.node = in.array<std::uint32_t>();
   mesh.triangle_color = in.array<SurfaceColor>();
   mesh.node_names = read_texts(in);
+  mesh.node_extras = read_texts(in);
+  for (const std::string& extras : mesh.node_extras) check_extras(extras, limits);
+  mesh.empty_nodes.resize(in.length(2 * sizeof(std::uint64_t) + 4 * sizeof(Vec3d)));
+  for (EmptyNode& node : mesh.empty_nodes) read_empty_node(in, limits, node);
   mesh.groups.resize(in.length(sizeof(std::uint64_t) + sizeof(std::uint32_t)));
   for (NodeGroup& group : mesh.groups) {
     group.name = in.text();
@@ -230,6 +267,12 @@ Mesh read_mesh(ByteReader& in, const ImportLimits& limits) {
   require(is_utf8(mesh.copyright), "the copyright is not UTF-8");
   mesh.remarks.warnings = read_texts(in);
   mesh.remarks.notes = read_texts(in);
+  mesh.dropped.resize(in.length(3 * sizeof(std::uint64_t)));
+  for (Dropped& entry : mesh.dropped)
+    for (std::string* text : {&entry.what, &entry.name, &entry.reason}) {
+      *text = in.text();
+      require(is_utf8(*text), "a text is not UTF-8");
+    }
   require(in.at_end(), "the mesh ends early or late");
   check_mesh(mesh, limits);
   return mesh;

@@ -124,6 +124,7 @@ AnswerSummary summary_of(const FracturedSolid& fractured) {
                         .judged = true,
                         .remarks = {}};
   summary.remarks.add(fractured.report.remarks);
+  summary.dropped = fractured.report.dropped;
   return summary;
 }
 
@@ -169,6 +170,14 @@ AnswerSummary summary_in(std::span<const std::uint8_t> file, OutputFormat format
     if (warning.is_string()) summary.remarks.warn(warning);
   for (const json& note : report.value("notes", json::array()))
     if (note.is_string()) summary.remarks.note(note);
+  for (const json& entry : report.value("dropped", json::array())) {
+    if (!entry.is_object()) continue;
+    const auto text = [&entry](const char* key) {
+      const auto at = entry.find(key);
+      return at != entry.end() && at->is_string() ? at->get<std::string>() : std::string();
+    };
+    summary.dropped.push_back({text("what"), text("name"), text("reason")});
+  }
   return summary;
 }
 

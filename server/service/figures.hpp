@@ -10,6 +10,7 @@
 #include "common/base/json_reader.hpp"
 #include "common/base/remarks.hpp"
 #include "common/fragment/fragments.hpp"
+#include "common/mesh/dropped.hpp"
 #include "server/service/engine.hpp"
 
 namespace fracture {
@@ -22,6 +23,7 @@ struct AnswerSummary {
   bool partition = true;  ///< fragments are a partition; false: only closed (dual=barycenter)
   bool judged = true;     ///< false: the server that made it did not count caps without a mirror image
   Remarks remarks;
+  std::vector<Dropped> dropped{};  ///< what the source contains and the answer does not
 };
 
 AnswerSummary summary_of(const FracturedSolid& fractured);

@@ -22,12 +22,16 @@ std::size_t memory_size(const MaterialLibrary& library) {
 }  // namespace
 
 std::size_t memory_size(const Mesh& mesh) {
-  std::size_t bytes = sizeof mesh + heap(mesh.positions) + heap(mesh.attributes.normals) +
-                      heap(mesh.attributes.tangents) + nested_heap(mesh.attributes.uvs) +
-                      nested_heap(mesh.attributes.colors) + heap(mesh.triangles) + heap(mesh.material) +
-                      heap(mesh.node) + heap(mesh.node_names) + heap(mesh.groups) + heap(mesh.group_of_node) +
-                      heap(mesh.instances) + heap(mesh.triangle_color) + heap(mesh.remarks.warnings) +
-                      heap(mesh.remarks.notes) + mesh.copyright.capacity() + memory_size(*mesh.library);
+  std::size_t bytes =
+      sizeof mesh + heap(mesh.positions) + heap(mesh.attributes.normals) + heap(mesh.attributes.tangents) +
+      nested_heap(mesh.attributes.uvs) + nested_heap(mesh.attributes.colors) + heap(mesh.triangles) +
+      heap(mesh.material) + heap(mesh.node) + heap(mesh.node_names) + heap(mesh.node_extras) +
+      heap(mesh.empty_nodes) + heap(mesh.groups) + heap(mesh.group_of_node) + heap(mesh.instances) +
+      heap(mesh.triangle_color) + heap(mesh.remarks.warnings) + heap(mesh.remarks.notes) +
+      heap(mesh.dropped) + mesh.copyright.capacity() + memory_size(*mesh.library);
+  for (const Dropped& entry : mesh.dropped)
+    bytes += entry.what.capacity() + entry.name.capacity() + entry.reason.capacity();
+  for (const EmptyNode& node : mesh.empty_nodes) bytes += node.name.capacity() + node.extras.capacity();
   for (const NodeGroup& group : mesh.groups) bytes += group.name.capacity();
   for (const GivenHull& hull : mesh.given_hulls)
     bytes +=

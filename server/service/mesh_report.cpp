@@ -36,6 +36,7 @@ nlohmann::json mesh_report(const PreparedMesh& mesh) {
                            {"warnings", remarks.warnings},
                            {"notes", remarks.notes},
                            {"choices", choices_document(mesh.solid.report.choices)}};
+  if (!source.dropped.empty()) report["dropped"] = dropped_document(source.dropped);
   if (!source.groups.empty()) {
     nlohmann::json groups = nlohmann::json::array();
     for (const NodeGroup& group : source.groups) groups.push_back(group.name);

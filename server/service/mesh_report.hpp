@@ -11,7 +11,7 @@ namespace fracture {
 bool repaired(const SolidReport& report);
 
 /// Returns an object with verdict ("closed" or "repaired"), solid, volume_once (pipeline/overlaps.hpp), frame, nodes,
-/// materials, images, warnings, notes, choices, passed_through and, if the mesh has several parts, contacts
+/// materials, images, warnings, notes, choices, dropped (if anything is), passed_through and, if the mesh has several parts, contacts
 /// (gltf/report_text.hpp).
 nlohmann::json mesh_report(const PreparedMesh& mesh);
 

@@ -16,7 +16,8 @@ std::vector<std::byte> numbered(std::size_t size) {
 }
 
 TEST(PacedWrite, WritesAllBytesInOrder) {
-  for (const std::size_t size : {std::size_t{0}, std::size_t{5}, kWritePieceBytes, 2 * kWritePieceBytes + 3}) {
+  for (const std::size_t size :
+       {std::size_t{0}, std::size_t{5}, kWritePieceBytes, 2 * kWritePieceBytes + 3}) {
     const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::tmpfile(), std::fclose);
     ASSERT_TRUE(file);
     const std::vector<std::byte> bytes = numbered(size);

@@ -71,6 +71,47 @@ TEST(GltfWriter, PrimitivesShareAttributesAndCoverTheIndicesInOrder) {
   }
 }
 
+TEST(GltfWriter, FragmentsCarryTheExtrasOfTheirSourceNodes) {
+  FracturedSolid made = two_halves();
+  auto mesh = std::make_shared<Mesh>(*made.set.source);
+  mesh->node_names = {"crate", "lid"};
+  made.set.source = mesh;
+  made.set.fragments[1].node = 1;
+  const std::vector<std::uint8_t> without = write_glb(made, {});
+  mesh->node_extras = {"\"hp\":120,\"loot\":[\"gem\"]", ""};
+  const Glb glb(write_glb(made, {}));
+  json extras = glb.document["nodes"][1]["extras"];
+  EXPECT_EQ(extras["hp"], 120);
+  EXPECT_EQ(extras["loot"], json::array({"gem"}));
+  EXPECT_EQ(extras.size(), 3u) << "and those of the fragment";
+  extras.erase("hp");
+  extras.erase("loot");
+  const Glb plain(without);
+  EXPECT_EQ(extras, plain.document["nodes"][1]["extras"]);
+  EXPECT_EQ(glb.document["nodes"][2], plain.document["nodes"][2]) << "the lid has none";
+}
+
+TEST(GltfWriter, NodesWithoutAMeshAreTheLastOnesBelowTheRoot) {
+  FracturedSolid made = two_halves();
+  const Glb plain(write_glb(made, {}));
+  auto mesh = std::make_shared<Mesh>(*made.set.source);
+  mesh->empty_nodes = {{.name = "socket", .t = {1, 2, 3}, .extras = "\"hp\":1"},
+                       {.name = "socket", .x = {0, 0, -2}, .z = {2, 0, 0}, .t = {4, 5, 6}},
+                       {.name = "origin"}};
+  made.set.source = mesh;
+  const Glb glb(write_glb(made, {}));
+  const json& nodes = glb.document["nodes"];
+  ASSERT_EQ(nodes.size(), plain.document["nodes"].size() + 3);
+  EXPECT_EQ(nodes[0]["children"], json({1, 2, 3, 4, 5}));
+  EXPECT_EQ(nodes[3], json::parse(R"({"name": "socket", "translation": [1, 2, 3], "extras": {"hp": 1}})"));
+  EXPECT_EQ(nodes[4], json::parse(R"({"name": "socket_2", "matrix": [0, 0, -2, 0,  0, 1, 0, 0,  2, 0, 0, 0,
+                                      4, 5, 6, 1]})"));
+  EXPECT_EQ(nodes[5], json::parse(R"({"name": "origin"})"));
+  for (const char* list : {"meshes", "accessors", "materials"})
+    EXPECT_EQ(glb.document[list], plain.document[list]) << list;
+  for (std::size_t k = 1; k < 3; ++k) EXPECT_EQ(nodes[k], plain.document["nodes"][k]);
+}
+
 TEST(GltfWriter, SourceMaterialsComeFirstInOrderThenTheInterior) {
   const FracturedSolid made = two_halves();
   const Glb glb(write_glb(made, {}));

@@ -258,6 +258,7 @@ Mesh with_whole_node(const char* name) {
   rest->node.assign(rest->triangles.size(), 0);
   rest->material.assign(rest->triangles.size(), kNoIndex);
   rest->node_names = {name};
+  rest->node_extras = {"\"wood\":true"};
   Mesh mesh = sphere_and_frame();
   mesh.passed_through = rest;
   return mesh;
@@ -281,6 +282,10 @@ TEST(IntactScene, WhatWasNotFracturedIsInBothScenes) {
     drawn += node.contains("mesh") && node["mesh"] == nodes[2]["mesh"];
   EXPECT_EQ(drawn, 2u);
   EXPECT_EQ(nodes[2]["name"], "shelf_intact");
+  std::size_t carrying = 0;
+  for (const json& node : file.document["nodes"])
+    carrying += node.contains("extras") && node["extras"].contains("wood");
+  EXPECT_EQ(carrying, 2u) << "the source's extras are in both scenes, too";
 }
 
 }  // namespace

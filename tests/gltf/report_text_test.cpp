@@ -72,6 +72,7 @@ FracturedSolid with_everything() {
   report.frame = {0.0254, FrameReport::From::kRequest, true, FrameReport::From::kFile};
   report.passed_through = 11;
   report.remarks = {{"first", "second"}, {"a \"note\""}};
+  report.dropped = {{"light", "Lamp", "fragments have no lights"}, {"animation", "2 more", "cut"}};
   report.choices = {{"unit", {{"unit", "mm"}}, "It is large."},
                     {"lid", {{"thickness", 0.02}}, "It is open."}};
   made.support = {.asked = {.gravity = {0, -10, 0}, .density = 500, .strength = 200, .broken = {7, 8}},
@@ -102,6 +103,10 @@ TEST(ReportText, EachFigureStandsUnderItsName) {
                             "listed": {"a": [1, 0], "b": [2, 2], "kind": ["touching", "overlapping"], "area": [4, 1],
                                        "place": [[1, 2, 3], [0, 0, 0]], "normal": [[0, 1, 0], [1, 0, 0]],
                                        "volume": [0, 0.25]}})"));
+  EXPECT_EQ(report.at("dropped"),
+            json::parse(R"([{"what": "light", "name": "Lamp", "reason": "fragments have no lights"},
+                            {"what": "animation", "name": "2 more", "reason": "cut"}])"));
+  EXPECT_EQ(dropped_document(with_everything().report.dropped), report.at("dropped"));
   EXPECT_EQ(report.at("fragment"), json::parse(R"({"id": 77, "volume": 0.25})"));
   EXPECT_EQ(report.at("frame"), json::parse(R"({"metres_per_unit": 0.0254, "unit_from": "request", "up": "z",
                                                 "up_from": "file"})"));

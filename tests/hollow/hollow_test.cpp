@@ -241,6 +241,18 @@ TEST(Hollow, WallsThatDoNotFitAreNamedWithTheParameterAndItsLargestValue) {
   EXPECT_TRUE(warnings(thin_plate(0.01), {.fraction = 0.1, .least_ball = 0.2}).empty());
 }
 
+TEST(Hollow, TheSourceKeepsEverythingThatIsNotGeometry) {
+  Mesh mesh = cube(2);
+  mesh.node_extras = {"\"hp\":120"};
+  mesh.empty_nodes = {{.name = "socket"}};
+  mesh.dropped = {{"light", "Lamp", "why"}};
+  const Solid solid = hollowed(solid_of(mesh), {.thickness = 0.1}, {});
+  ASSERT_EQ(solid.report.parts_hollowed, 1u);
+  EXPECT_EQ(solid.source->node_extras, mesh.node_extras);
+  EXPECT_EQ(solid.source->empty_nodes, mesh.empty_nodes);
+  EXPECT_EQ(solid.source->dropped, mesh.dropped);
+}
+
 TEST(Hollow, TheCopyOfTheSourceIsCounted) {
   const Solid solid = solid_of(ico_sphere(5));
   const std::size_t bytes = solid.source->positions.size() * sizeof(Vec3f);

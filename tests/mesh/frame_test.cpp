@@ -56,6 +56,26 @@ TEST(Frame, ZUpIsTurnedSoThatTheTopIsTheTopAndNothingIsMirrored) {
   EXPECT_TRUE(report->z_up);
 }
 
+TEST(Frame, EmptyNodesMoveWithTheMeshAndKeepTheirScale) {
+  Mesh mesh = cube();
+  // Its axes are x, z and -y, twice as long: its z axis points down the file's y axis.
+  mesh.empty_nodes = {{"socket", {2, 0, 0}, {0, 0, 2}, {0, -2, 0}, {100, 200, 300}, "\"a\":1"}};
+  ASSERT_TRUE(to_metres_y_up(mesh, {.unit = LengthUnit::kCentimetre, .up = UpAxis::kZ}));
+  const EmptyNode& socket = mesh.empty_nodes[0];
+  EXPECT_EQ(socket.t, (Vec3d{1, 3, -2})) << "(x, z, -y) in metres";
+  // The frame turns by a quarter about x, and so does the node: both turns have the same axis, so they commute.
+  EXPECT_EQ(socket.x, (Vec3d{2, 0, 0}));
+  EXPECT_EQ(socket.y, (Vec3d{0, 0, 2}));
+  EXPECT_EQ(socket.z, (Vec3d{0, -2, 0}));
+  EXPECT_EQ(socket.extras, "\"a\":1");
+  // A node that stands upright on z, three times as high, stands upright on y afterwards.
+  Mesh other = cube();
+  other.empty_nodes = {{.name = "pole", .z = {0, 0, 3}}};
+  ASSERT_TRUE(to_metres_y_up(other, {.up = UpAxis::kZ}));
+  EXPECT_EQ(other.empty_nodes[0].y, (Vec3d{0, 3, 0}));
+  EXPECT_EQ(other.empty_nodes[0].z, (Vec3d{0, 0, 1}));
+}
+
 // (100, 200, 300) cm with z up are 1 m to the right, 3 m up and 2 m away, which is -z.
 TEST(Frame, TheOffsetIsConvertedLikeThePositionsAndStated) {
   Mesh mesh = cube();

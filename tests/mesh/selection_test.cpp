@@ -34,6 +34,9 @@ Mesh scene() {
   mesh.attributes.uvs.emplace_back();
   for (const Vec3f& p : mesh.positions) mesh.attributes.uvs[0].push_back({p.x, p.y});
   mesh.remarks = {{"kept"}, {"kept too"}};
+  mesh.dropped = {{"light", "Lamp", "why"}};
+  mesh.empty_nodes = {{.name = "socket"}};
+  mesh.node_extras = {"\"hp\":1"};
   return mesh;
 }
 
@@ -73,6 +76,10 @@ TEST(Selection, ANameStandsForEveryNodeOfThatNameAndTheRestPassesThrough) {
   EXPECT_EQ(mesh.passed_through->library, mesh.library);
   EXPECT_EQ(mesh.passed_through->node_names[mesh.passed_through->node[0]], "wall");
   EXPECT_EQ(mesh.remarks, (Remarks{{"kept"}, {"kept too"}}));
+  EXPECT_EQ(mesh.dropped, (std::vector<Dropped>{{"light", "Lamp", "why"}}));
+  EXPECT_EQ(mesh.empty_nodes.size(), 1u);
+  EXPECT_TRUE(mesh.passed_through->empty_nodes.empty()) << "they are in the answer once";
+  EXPECT_EQ(mesh.node_extras, mesh.passed_through->node_extras);
   for (const Mesh* part : {static_cast<const Mesh*>(&mesh), mesh.passed_through.get()})
     for (std::size_t w = 0; w < part->positions.size(); ++w)
       EXPECT_EQ(part->attributes.uvs[0][w], (Vec2f{part->positions[w].x, part->positions[w].y}));

@@ -41,6 +41,15 @@ TEST(Obj, HasAnObjectForEachFragmentWhereItWasCutAndNoHulls) {
   }
 }
 
+TEST(Obj, NodesOfTheSourceWithoutAMeshAreNoObjects) {
+  FracturedSolid made = two_halves();
+  const std::string before = obj_of(read(write_glb(made, {})));
+  auto mesh = std::make_shared<Mesh>(*made.set.source);
+  mesh->empty_nodes = {{.name = "socket", .x = {0, 0, -2}, .z = {2, 0, 0}}};
+  made.set.source = mesh;
+  EXPECT_EQ(obj_of(read(write_glb(made, {}))), before) << "although the node is turned";
+}
+
 TEST(Obj, FacesHaveTheirMaterialsNormalsAndTheUvsThatTheMaterialIsPaintedBy) {
   const ObjFile obj(obj_of(read(write_glb(two_halves(), {}))));
   std::map<std::string, int> faces;

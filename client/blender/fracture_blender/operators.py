@@ -8,7 +8,7 @@ from .package import FractureError
 LOOK = 0.1  # s between two polls of the thread
 # Events that are allowed while the operator works. Other events could change the scene to which the answer belongs.
 PASSED = {"MIDDLEMOUSE", "WHEELUPMOUSE", "WHEELDOWNMOUSE", "TRACKPADPAN", "TRACKPADZOOM", "MOUSEMOVE", "TIMER"}
-MOST_SENTENCES = 5  # maximum number of warnings shown, and of notes
+MOST_SENTENCES = 5  # maximum number of warnings shown, of notes, and of dropped things
 
 
 def counted(count, thing):
@@ -75,10 +75,11 @@ class OBJECT_OT_fracture_exact(bpy.types.Operator):
 
     def _finish(self, context, work):
         try:
-            made, warnings, notes = work.finish(context)
+            made, warnings, notes, dropped = work.finish(context)
         except FractureError as error:
             return self._refuse(context, error, work.failed_names)
         self._tell("INFO", notes, "note")
+        self._tell("INFO", dropped, "dropped thing")
         self._tell("WARNING", warnings, "warning")
         count = sum(len(entry.objects) for entry in made)
         self.report({"INFO"}, counted(count, "fragment"))

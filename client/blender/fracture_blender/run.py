@@ -19,19 +19,20 @@ class Run:
         return self._written[number].objects if number is not None and number < len(self._written) else []
 
     def finish(self, context):
-        """Creates the fragments of all answers and hides the originals. Returns a list of fragments.Made, the warnings and the
-        notes. If the run failed, raises its FractureError and creates nothing."""
+        """Creates the fragments of all answers and hides the originals. Returns a list of fragments.Made, the warnings, the
+        notes, and what was dropped. If the run failed, raises its FractureError and creates nothing."""
         if self.asking.error is not None:
             raise self.asking.error
         for answer in self.asking.answers:
             fragments.check(answer)
-        made, warnings, notes = [], [], []
+        made, warnings, notes, dropped = [], [], [], []
         for answer, written in zip(self.asking.answers, self._written):
             made.append(_build(context, answer, written))
             warnings += [f"{written.objects[0]}: {warning}" for warning in answer.warnings]
             notes += [f"{written.objects[0]}: {note}" for note in answer.notes]
+            dropped += [f"{written.objects[0]}: dropped: {entry}" for entry in answer.dropped]
         _select(context, made)
-        return made, warnings, notes
+        return made, warnings, notes, dropped
 
 
 def begin(context):

@@ -17,6 +17,7 @@ from .assignments import assignment
 from .calls import Cancel
 from .choices import Choice
 from .client import Client
+from .dropped import Dropped
 from .errors import FractureError
 from .fragments import Bond, Delta, Fragment, Hull, Primitive
 from .http1 import Response
@@ -26,5 +27,5 @@ from .pool import Settings
 from .version import VERSION as __version__
 
 __all__ = ["Admin", "Answer", "AsyncAnswer", "AsyncClient", "AsyncJob", "AsyncMesh", "Bond", "Cancel", "Choice", "Client",
-           "Delta", "FractureError", "Fragment", "Hull", "Job", "JobState", "Mesh", "Primitive", "Response", "Settings", "__version__",
+           "Delta", "Dropped", "FractureError", "Fragment", "Hull", "Job", "JobState", "Mesh", "Primitive", "Response", "Settings", "__version__",
            "assignment"]

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Dict, List, Mapping, Optional, Sequence, 
 from . import glb as glb_file
 from .calls import Cancel
 from .choices import Choice, read_choices
+from .dropped import Dropped, read_dropped
 from .errors import FractureError
 from .fragments import Bond, Delta, Fragment, Vector, figures_of, read_bonds, read_fragments, root_offset
 from .problems import Reaction, reaction_to
@@ -62,7 +63,7 @@ class Answer:
 
     @property
     def report(self) -> Dict[str, Any]:
-        """The report: the mesh repairs, the fragment sizes, the warnings and the notes."""
+        """The report: the mesh repairs, the fragment sizes, the warnings, the notes and what was dropped."""
         return self._figures.get("report", {})
 
     @property
@@ -75,6 +76,11 @@ class Answer:
         """Sentences in the report about what was done. They need no action. [] if there are none. Servers with algorithm 22 or older
         put notes among the warnings."""
         return list(self.report.get("notes", []))
+
+    @property
+    def dropped(self) -> List[Dropped]:
+        """Things in the source that the answer does not contain, such as lights and animations. [] if there is nothing."""
+        return read_dropped(self.report)
 
     @property
     def choices(self) -> List[Choice]:

@@ -88,7 +88,7 @@ class Client(Caller):
 
     def inspect(self, mesh: Union[Path, Content], *, files: Optional[Files] = None, format: Optional[str] = None,
                 timeout: Optional[float] = None, cancel: Optional[Cancel] = None, **preparation: Any) -> Dict[str, Any]:
-        """Reports on a mesh without fracturing it: verdict, solid, frame, nodes, materials, images, warnings, notes. The mesh is
+        """Reports on a mesh without fracturing it: verdict, solid, frame, nodes, materials, images, warnings, notes, dropped. The mesh is
         sent, prepared with `preparation`, and stored. Takes the same arguments as put(). Raises OSError, and FractureError, for
         example if the mesh cannot be fractured."""
         upload = Upload.of(mesh, files, format)

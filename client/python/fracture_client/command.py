@@ -10,6 +10,7 @@ from typing import Any, List, Mapping, Optional, Tuple
 
 from .answer import Answer, kind_of_file
 from .client import Client
+from .dropped import read_dropped
 from .errors import FractureError
 from .jobs import Job
 from .version import VERSION
@@ -77,11 +78,15 @@ def main(arguments: List[str]) -> int:
 
 
 def _say_remarks(quiet: bool, of: str, report: Mapping[str, Any], said: Mapping[str, Any]) -> None:
-    """Prints the warnings and notes in `report`, except those that are also in `said`, a report that was printed before."""
+    """Prints the warnings, notes and dropped things in `report`, except those that are also in `said`, a report that was printed
+    before."""
     for kind, name in (("warnings", "warning"), ("notes", "note")):
         for sentence in report.get(kind, []):
             if sentence not in said.get(kind, []):
                 _say(quiet, f"{of}: {name}: {sentence}")
+    for entry in read_dropped(report):
+        if entry not in read_dropped(said):
+            _say(quiet, f"{of}: dropped: {entry}")
 
 
 def _parser() -> argparse.ArgumentParser:

@@ -216,6 +216,9 @@ def _write_scene(document: Json, whole: Glb, pieces: List[_Piece], figures: Json
     passing = []
     for kept in _passing_through(whole):
         passing.append(len(nodes))
+        if "mesh" not in kept:
+            nodes.append(copy.deepcopy(kept))
+            continue
         nodes.append({**kept, "mesh": len(meshes)})
         meshes.append(buffers.add_mesh(whole, kept["mesh"]))
     nodes[0] = {**_root(whole), "children": [*range(1, 1 + len(pieces)), *passing], "extras": {"fracture": figures}}
@@ -230,7 +233,7 @@ def _root(whole: Glb) -> Json:
 
 
 def _passing_through(whole: Glb) -> List[Json]:
-    """Returns the mesh's uncut nodes: children of the root that are not fragments."""
+    """Returns the nodes of the mesh that no cut reaches: children of the root that are neither fragments nor clusters."""
     nodes = [whole.item("nodes", child) for child in _root(whole).get("children", [])]
     return [node for node in nodes if not extras_of(node)]
 

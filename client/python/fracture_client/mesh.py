@@ -8,6 +8,7 @@ from .answer import Answer
 from .asking import Check, check_digest, check_figures, check_json, json_object
 from .calls import Cancel
 from .choices import Choice, read_choices
+from .dropped import Dropped, read_dropped
 from .http1 import Response
 from .upload import Upload, json_text
 
@@ -36,13 +37,18 @@ class Mesh:
     @property
     def report(self) -> Dict[str, Any]:
         """The server's report on the mesh: verdict ("closed" or "repaired"), solid, volume_once, frame, nodes, materials, images,
-        warnings, notes, choices. The report comes from put() or the latest refresh(); {} before these calls."""
+        warnings, notes, choices, dropped. The report comes from put() or the latest refresh(); {} before these calls."""
         return self.stored.get("report", {})
 
     @property
     def choices(self) -> List[Choice]:
         """Changes that the server offers for this mesh and does not make by itself. [] before put() or refresh()."""
         return read_choices(self.report)
+
+    @property
+    def dropped(self) -> List[Dropped]:
+        """Things in the file that answers do not contain, such as lights and animations. [] before put() or refresh()."""
+        return read_dropped(self.report)
 
     def refresh(self, *, timeout: Optional[float] = None, cancel: Optional[Cancel] = None) -> Dict[str, Any]:
         """Fetches the server's description of the mesh, returns it, and keeps it in `stored`. Raises FractureError of type "not-found" if the

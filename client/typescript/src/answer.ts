@@ -1,6 +1,6 @@
 // The fragments that the server returns, with calls to hit them again.
 import { Glb, type Vector3 } from './glb.js';
-import { type Bond, bondsOf, type Figures, figuresOf, type Fragment, fragmentsOf, passedThrough, type Piece, rootOf } from './fragments.js';
+import { type Bond, bondsOf, type Dropped, type Figures, figuresOf, type Fragment, fragmentsOf, passedThrough, type Piece, rootOf } from './fragments.js';
 import { merge } from './merge.js';
 import type { Choice, FractureOptions, Mesh } from './mesh.js';
 import type { Parameters } from './parameters.js';
@@ -81,6 +81,10 @@ export class Answer {
   /** Sentences about what was done. They need no action. Servers with algorithm 22 or older put notes among the warnings. */
   get notes(): readonly string[] {
     return this.figures.report.notes ?? [];
+  }
+  /** Things in the source that the answer does not contain, such as lights and animations. */
+  get dropped(): readonly Dropped[] {
+    return this.figures.report.dropped ?? [];
   }
   /** Changes that the server offers and did not make: another unit, walls for a room. */
   get choices(): readonly Choice[] {

@@ -39,6 +39,15 @@ export interface Rest {
   systems: number;
 }
 
+/** Something in the source that the answer does not contain. */
+export interface Dropped {
+  /** Kind: light, camera, animation, extension, …. */
+  what: string;
+  /** Name in the source, or the place there. Long lists end with an entry such as `12 more`. */
+  name: string;
+  reason: string;
+}
+
 /** The object under extras.fracture of the root node. An answer with Accept: application/json is this object. */
 export interface Figures {
   version: number;
@@ -46,7 +55,7 @@ export interface Figures {
   /** The content key of the mesh. */
   mesh: string;
   parameters: Record<string, any>;
-  report: { warnings: string[]; notes?: string[]; [figure: string]: any };
+  report: { warnings: string[]; notes?: string[]; dropped?: Dropped[]; [figure: string]: any };
   certificate: {
     fragments: number; volume_in: number; volume_out: number; open_edges: number; unmirrored_caps: number;
     /** How the bodies rest when they start; null without collision hulls. */

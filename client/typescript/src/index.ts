@@ -3,7 +3,7 @@ export { Answer, type AnswerHead, type HitOptions } from './answer.js';
 export type { Bytes, MeshFormat, MeshInput, NamedFile } from './asset.js';
 export { Client, type Limits, type ParameterDescription, type Patterns, type PutOptions } from './client.js';
 export type { CollisionFilter } from './filters.js';
-export type { Bond, BondColumns, Figures, Hull, Motion, Primitive, Rest } from './fragments.js';
+export type { Bond, BondColumns, Dropped, Figures, Hull, Motion, Primitive, Rest } from './fragments.js';
 export { Fragment, Piece } from './fragments.js';
 export { Glb, packGlb } from './glb.js';
 export type { Gltf, GltfAccessor, GltfBufferView, GltfMesh, GltfNode, GltfPrimitive, TypedArray, Vector3 } from './glb.js';

@@ -217,7 +217,11 @@ function write(before: Glb, changes: Glb, now: Figures, sources: Source[], bonds
   const root = changes.json.nodes![0]!, others: GltfNode[] = [];  // uncut nodes of the mesh; a delta may omit these nodes
   for (const index of before.json.nodes![0]!.children ?? []) {
     const node = before.json.nodes![index]!;
-    if (node.mesh === undefined || fractureOf(node)) continue;
+    if (fractureOf(node)) continue;
+    if (node.mesh === undefined) {
+      others.push(node);
+      continue;
+    }
     others.push({ ...node, mesh: meshes.length });
     meshes.push(copier.copy(before, before.json.meshes![node.mesh]!));
   }

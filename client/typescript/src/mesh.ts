@@ -2,7 +2,7 @@
 import type { Answer } from './answer.js';
 import { type Asset, formOf } from './asset.js';
 import type { Client } from './client.js';
-import type { Figures } from './fragments.js';
+import type { Dropped, Figures } from './fragments.js';
 import { Job, type JobDocument } from './jobs.js';
 import { localError } from './problems.js';
 import { type Parameters, parametersText } from './parameters.js';
@@ -47,7 +47,7 @@ export interface StoredMesh {
   files: number;
   /** Seconds from the last use until the server forgets the mesh. */
   ttl_s: number;
-  /** The report on the mesh: verdict (closed, repaired), solid, volume_once, frame, nodes, materials, images, warnings, notes, choices, and contacts between parts. */
+  /** The report on the mesh: verdict (closed, repaired), solid, volume_once, frame, nodes, materials, images, warnings, notes, choices, dropped, and contacts between parts. */
   report: Record<string, any>;
 }
 
@@ -74,6 +74,10 @@ export class Mesh {
   /** Changes that the server offers for this mesh. */
   get choices(): readonly Choice[] {
     return (this.report?.['choices'] ?? []) as Choice[];
+  }
+  /** Things in the file that answers do not contain, such as lights and animations. Empty before the server has described the mesh. */
+  get dropped(): readonly Dropped[] {
+    return (this.report?.['dropped'] ?? []) as Dropped[];
   }
 
   /** Breaks the mesh. `parameters`: see GET /patterns. If the server has forgotten the mesh, the client sends it

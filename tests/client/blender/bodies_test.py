@@ -18,7 +18,7 @@ class Physics(InBlender):
         work = support.part("run").begin(bpy.context)
         self.assertTrue(work.asking.wait(support.PATIENCE))
         answer = work.asking.answers[0]
-        (made,), _, _ = work.finish(bpy.context)
+        (made,), *_ = work.finish(bpy.context)
         scene = bpy.context.scene
         self.assertEqual(len(fragments_of(made.collection)), answer.certificate["fragments"])
         joints = bonds_of(made.collection)

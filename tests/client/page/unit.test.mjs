@@ -157,11 +157,13 @@ describe('what an answer says about itself', () => {
     assert.match(countRemark(shown({ asked: 1200, made: 1900, report: { size: { parts: 1900 }, warnings } })), /1,900 separate parts/);
   });
   test('WarningsAndNotesAreShownApart', () => {
-    const shownTexts = (warnings, notes) => textsOf(remarkLists(warnings, notes));
+    const shownTexts = (warnings, notes, dropped) => textsOf(remarkLists(warnings, notes, dropped));
     assert.deepEqual(shownTexts([], []), []);
     assert.deepEqual(shownTexts(['to do'], []), ['Warnings', 'to do']);
     assert.deepEqual(shownTexts([], ['done', 'done too']), ['Notes', '2', 'done', 'done too']);
     assert.deepEqual(shownTexts(['to do'], ['done']), ['Warnings', 'to do', 'Notes', '1', 'done']);
+    assert.deepEqual(shownTexts([], ['done'], [{ what: 'light', name: 'Lamp', reason: 'why' }, { what: 'joints', name: '', reason: 'cut' }]),
+      ['Dropped from the source', '2', 'light Lamp: why', 'joints: cut', 'Notes', '1', 'done']);
   });
   test('AChoiceIsAButtonThatAddsItsParameters', () => {
     const wall = { kind: 'room', parameters: { thickness: 0.04 }, text: 'It is a room.' }, unit = { kind: 'unit', parameters: { unit: 'mm' }, text: 'It is large.' };

@@ -88,13 +88,17 @@ class WrongUse(Programs):
                 self.assertEqual({asked.field("Authorization") for asked in server.asked}, {wanted})
 
     def test_warnings_and_notes_are_told_apart_and_once(self):
-        of_mesh = {"warnings": ["An image was left out."], "notes": ["1 hole was filled."]}
-        glb = small_glb(report={"warnings": of_mesh["warnings"] + ["The cuts are flat."], "notes": of_mesh["notes"] + ["2 pieces are small."]})
+        of_mesh = {"warnings": ["An image was left out."], "notes": ["1 hole was filled."],
+                   "dropped": [{"what": "light", "name": "Lamp", "reason": "none"}]}
+        glb = small_glb(report={"warnings": of_mesh["warnings"] + ["The cuts are flat."], "notes": of_mesh["notes"] + ["2 pieces are small."],
+                                "dropped": of_mesh["dropped"] + [{"what": "camera", "name": "", "reason": "none"}]})
 
         def handler(asked):
             return answer(200, glb, digest(glb)) if asked.method == "POST" else stored(200, of_mesh)
         for quiet, wanted in ((["--quiet"], ""), ([], "mesh: warning: An image was left out.\nmesh: note: 1 hole was filled.\n"
-                                                      "answer: warning: The cuts are flat.\nanswer: note: 2 pieces are small.\n")):
+                                                      "mesh: dropped: light Lamp: none\n"
+                                                      "answer: warning: The cuts are flat.\nanswer: note: 2 pieces are small.\n"
+                                                      "answer: dropped: camera: none\n")):
             with FaultServer(handler) as server:
                 done = self.run_command(*quiet, server.url, self.mesh, self.out)
                 self.assertEqual((done.returncode, done.stderr), (0, wanted))
@@ -102,6 +106,7 @@ class WrongUse(Programs):
             made = client.put(self.mesh).fracture()
             self.assertEqual((made.warnings[-1], made.notes[-1], len(made.warnings), len(made.notes)),
                              ("The cuts are flat.", "2 pieces are small.", 2, 2))
+            self.assertEqual(made.dropped, [("light", "Lamp", "none"), ("camera", "", "none")])
 
     def test_an_interrupt_closes_the_connection(self):
         def handler(asked):

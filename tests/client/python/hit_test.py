@@ -3,7 +3,9 @@
 
 The server itself is the judge: the same hit with delta=stated has every fragment.
 """
+import base64
 import copy
+import json
 import math
 import os
 import pathlib
@@ -120,6 +122,28 @@ class Hits(WithServer):
                      {"rough_amplitude": 0.05}, {"dual": "barycenter"}, {"min_fraction": 0.004}, {"intact": "true"}):
             with self.subTest(**more):
                 self.hit_twice(mesh, sites=20, **more)
+
+    def test_nodes_without_a_mesh_and_the_extras_of_nodes_stay(self):
+        corners = [(x, y, z) for z in (0, 1) for y in (0, 1) for x in (0, 1)]
+        faces = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
+        indices = [corner for face in faces for k in (1, 2) for corner in (face[0], face[k], face[k + 1])]
+        buffer = struct.pack("<24f36H", *(c for corner in corners for c in corner), *indices)
+        text = json.dumps({
+            "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0, 1, 2]}],
+            "nodes": [{"mesh": 0, "name": "box", "extras": {"hp": 120}}, {"name": "socket", "translation": [0, 1, 0]},
+                      {"name": "turned", "rotation": [0, 1, 0, 0], "extras": {"socket": True}}],
+            "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
+            "accessors": [{"bufferView": 0, "componentType": 5126, "count": 8, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 1]},
+                          {"bufferView": 1, "componentType": 5123, "count": 36, "type": "SCALAR"}],
+            "bufferViews": [{"buffer": 0, "byteLength": 96}, {"buffer": 0, "byteOffset": 96, "byteLength": 72}],
+            "buffers": [{"byteLength": 168, "uri": "data:application/octet-stream;base64," + base64.b64encode(buffer).decode()}]})
+        _, _, again = self.hit_twice(self.client.put(text.encode(), format="gltf"), sites=20)
+        nodes = again._file.document["nodes"]
+        empty = [node for node in nodes[1:] if "mesh" not in node and "extensions" not in node]
+        self.assertEqual([node["name"] for node in empty], ["socket", "turned"])
+        self.assertEqual((empty[0]["translation"], empty[1]["extras"]), ([0, 1, 0], {"socket": True}))
+        fragments = [node for node in nodes if "id" in node.get("extras", {}).get("fracture", {})]
+        self.assertEqual({node["extras"]["hp"] for node in fragments}, {120})
 
     def test_long_names_in_other_scripts(self):
         mesh = self.client.put(box_obj(extra="o T\u00fcr_" + "\u684c\u5b50" * 20), format="obj")

@@ -30,6 +30,7 @@ test('stores by digest, then fractures', async t => {
   assert.deepEqual(made.head.timing, { work: 3.5, clip: 12 });
   assert.deepEqual([made.fragments.length, made.fragments[0].id, made.head.exchanges], [1, 7, 1]);
   assert.deepEqual([made.warnings, made.notes], [['to do'], ['done']]);
+  assert.deepEqual(made.dropped, [{ what: 'light', name: 'Lamp', reason: 'why' }]);
 });
 
 test('what the server has, or this client put, is not sent again', async t => {

@@ -44,7 +44,7 @@ export const glb = packGlb({
   asset: { version: '2.0' }, scene: 0, scenes: [{ nodes: [0] }],
   nodes: [
     { children: [1], extras: { fracture: {
-      mesh: 'sha256:0', parameters: { sites: 1 }, report: { warnings: ['to do'], notes: ['done'] }, certificate: { fragments: 1 }, interior_materials: [],
+      mesh: 'sha256:0', parameters: { sites: 1 }, report: { warnings: ['to do'], notes: ['done'], dropped: [{ what: 'light', name: 'Lamp', reason: 'why' }] }, certificate: { fragments: 1 }, interior_materials: [],
       bonds: { a: [], b: [], area: [], centroid: [], normal: [], strength: [] },
     } } },
     { name: 'one', extras: { fracture: { id: 7, sites: [0], part: 0 } } },

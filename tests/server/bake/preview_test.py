@@ -18,6 +18,8 @@ import unittest
 import urllib.parse
 import zlib
 
+from gltf_box import box_with_camera
+
 PROGRAM, RENDERER = "", ""
 
 BOX = """v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1
@@ -299,6 +301,16 @@ class WithScripts(Case):
         self.bake("in/box.obj", "-o", "box.glb", "--preview", "box.png", *self.renderer(body),
                   environment={"FRACTURE_TOKEN": "secret-of-ours"})
         self.assertNotIn("secret-of-ours", (self.folder / "seen").read_text(encoding="utf-8"))
+
+    def test_the_page_lists_dropped_things(self):
+        self.write("eye.gltf", box_with_camera())
+        self.bake("eye.gltf", "-o", "eye.glb", "--html", "eye.html", "--report", "r", *self.renderer())
+        dropped = self.report("r")[0]["dropped"]
+        row, = self.page("eye.html").meshes()[-1:]
+        self.assertIn(f"Dropped: {len(dropped)}", row[-1])
+        for entry in dropped:
+            self.assertIn(f"{entry['what']} {entry['name']}: {entry['reason']}", row[-1])
+        self.assertIn("eye <1>", [entry["name"] for entry in dropped])
 
     def test_the_page_has_a_row_for_each_job_the_slowest_first(self):
         renderer = self.renderer()

@@ -20,6 +20,8 @@ except ImportError:
     print("skipped: the Python package jsonschema is missing")
     sys.exit(77)
 
+from gltf_box import box_with_camera
+
 PROGRAM = ""
 SCHEMAS = pathlib.Path(__file__).resolve().parents[3] / "proto" / "bake"
 
@@ -28,8 +30,6 @@ v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1
 f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8
 """
 OPEN = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
-# A box without half of one face. The program fills the hole and writes a note.
-HOLED = BOX.replace("f 5 6 7 8", "f 5 6 7")
 
 FITS, BREAKS = True, False
 MANIFESTS = [
@@ -104,7 +104,7 @@ class Schemas(unittest.TestCase):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         self.folder = pathlib.Path(folder.name)
-        for name, text in {"box.obj": BOX, "open.obj": OPEN, "holed.obj": HOLED}.items():
+        for name, text in {"box.obj": BOX, "open.obj": OPEN, "holed.gltf": box_with_camera(missing=1)}.items():
             (self.folder / name).write_text(text, encoding="utf-8")
 
     def bake(self, *arguments):
@@ -123,7 +123,7 @@ class Schemas(unittest.TestCase):
         (self.folder / "renderer").chmod(0o755)
         few = {"sites": 4}
         self.write("m", {"input": "box.obj", "output": "a.glb", "parameters": few},
-                   {"input": "holed.obj", "output": "b.obj", "parameters": {**few, "keep_center": [99, 0, 0], "keep_radius": 1}},
+                   {"input": "holed.gltf", "output": "b.obj", "parameters": {**few, "keep_center": [99, 0, 0], "keep_radius": 1}},
                    {"input": "open.obj", "output": "c.glb", "parameters": few},
                    {"input": "absent.obj", "output": "d.glb"},
                    {"input": "names.obj", "output": "e.glb", "parameters": few},
@@ -139,7 +139,9 @@ class Schemas(unittest.TestCase):
                              ["made", "made", "refused", "unreadable", "unwritable", "refused"], turn)
             self.assertIn("contains nothing of the mesh", lines[1]["warnings"][0])
             self.assertIn("1 hole was filled", lines[1]["notes"][0])
-            self.assertFalse({"warnings", "notes"} & set(lines[0]), "nothing to say of a box")
+            self.assertIn({"what": "camera", "name": "eye <1>"}, [{k: v for k, v in entry.items() if k != "reason"}
+                                                              for entry in lines[1]["dropped"]])
+            self.assertFalse({"warnings", "notes", "dropped"} & set(lines[0]), "nothing to say of a box")
             self.assertEqual(lines[5]["problem"]["known"], ["lid"])
             seen = set().union(*lines)
             self.assertEqual(seen, set(fits.schema["properties"]), "each member that is described is written")
@@ -159,6 +161,7 @@ class Schemas(unittest.TestCase):
                 self.assertFalse(fits.is_valid({k: v for k, v in line.items() if k != name}), f"without {name}")
         for wrong in ({**made, "status": "done"}, {**made, "status": "refused"}, {**made, "digest": "sha256:0"},
                       {**made, "more": 1}, {**made, "problem": {"detail": "a"}}, {**made, "warnings": []}, {**made, "notes": []},
+                      {**made, "dropped": []}, {**made, "dropped": [{"what": "camera"}]},
                       {**made, "beside": []}, {**made, "beside": [{"path": "a.mtl"}]},
                       {**made, "preview": {}}, {**made, "preview": "a.png"}, {**unreadable, "preview": {"file": "a.png"}},
                       {**unreadable, "problem": {}}, {**unreadable, "key": made["key"]},

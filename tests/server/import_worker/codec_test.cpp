@@ -31,6 +31,8 @@ Mesh full_mesh() {
   mesh.material = {0, kNoIndex};
   mesh.node = {0, 1};
   mesh.node_names = {"left", "r\xc3\xa9"};
+  mesh.node_extras = {"\"hp\":120", ""};
+  mesh.empty_nodes = {{"socket", {2, 0, 0}, {0, 2, 0}, {0, 0, 2}, {1, 2, 3}, "\"a\":1"}};
   mesh.groups = {{"house", kNoIndex}, {"wall", 0}};
   mesh.group_of_node = {1, kNoIndex};
   mesh.instances = {{3, {0, 2, 0}, {-2, 0, 0}, {0, 0, 2}, {1, -0.5, 1e300}}, {}};
@@ -48,6 +50,7 @@ Mesh full_mesh() {
   mesh.library = std::make_shared<const MaterialLibrary>(std::move(library));
   mesh.copyright = "me";
   mesh.remarks = {{"an image was left out"}, {"skins were baked"}};
+  mesh.dropped = {{"light", "L\xc3\xa9", "fragments have no lights"}, {"camera", "", "none"}};
   return mesh;
 }
 
@@ -82,6 +85,8 @@ TEST(MeshCodec, AMeshComesBackBitForBit) {
   EXPECT_EQ(back.triangles[1], (std::array<std::uint32_t, 3>{0, 3, 1}));
   EXPECT_EQ(back.material, (std::vector<std::uint32_t>{0, kNoIndex}));
   EXPECT_EQ(back.node_names, mesh.node_names);
+  EXPECT_EQ(back.node_extras, mesh.node_extras);
+  EXPECT_EQ(back.empty_nodes, mesh.empty_nodes);
   EXPECT_EQ(back.groups, mesh.groups);
   EXPECT_EQ(back.group_of_node, mesh.group_of_node);
   EXPECT_EQ(back.instances, mesh.instances);
@@ -91,6 +96,7 @@ TEST(MeshCodec, AMeshComesBackBitForBit) {
   EXPECT_EQ(back.library->extensions_required, mesh.library->extensions_required);
   EXPECT_EQ(back.copyright, "me");
   EXPECT_EQ(back.remarks, mesh.remarks);
+  EXPECT_EQ(back.dropped, mesh.dropped);
 }
 
 TEST(MeshCodec, AnErrorComesBackWithItsFiguresButNotWithEveryCode) {
@@ -130,6 +136,14 @@ TEST(MeshCodec, EveryBrokenPromiseIsFound) {
   EXPECT_THAT(broken([](Mesh& m) { m.frame.metres = 0; }), HasSubstr("unit"));
   EXPECT_THAT(broken([](Mesh& m) { m.frame.offset.y = INFINITY; }), HasSubstr("offset"));
   EXPECT_THAT(broken([](Mesh& m) { m.node_names[0] = "\xff"; }), HasSubstr("UTF-8"));
+  EXPECT_THAT(broken([](Mesh& m) { m.dropped[0].reason = "\xff"; }), HasSubstr("UTF-8"));
+  EXPECT_THAT(broken([](Mesh& m) { m.node_extras.pop_back(); }), HasSubstr("every node"));
+  for (const char* extras : {"\"hp\":", "5", "\"a\":1},{\"b\":2", "\"a\":1,\"a\":2"})
+    EXPECT_THAT(broken([&](Mesh& m) { m.node_extras[1] = extras; }), HasSubstr("not JSON")) << extras;
+  EXPECT_THAT(broken([](Mesh& m) { m.node_extras[1] = "\"fracture\":{}"; }), HasSubstr("an answer"));
+  EXPECT_THAT(broken([&](Mesh& m) { m.empty_nodes[0].t.y = kNan; }), HasSubstr("not finite"));
+  EXPECT_THAT(broken([](Mesh& m) { m.empty_nodes[0].extras = "}"; }), HasSubstr("not JSON"));
+  EXPECT_THAT(broken([](Mesh& m) { m.empty_nodes[0].name = "\xff"; }), HasSubstr("UTF-8"));
   EXPECT_THAT(broken([](Mesh& m) { m.groups[0].parent = 1; }), HasSubstr("tree"));
   EXPECT_THAT(broken([](Mesh& m) { m.group_of_node[0] = 2; }), HasSubstr("names no group"));
   EXPECT_THAT(broken([](Mesh& m) { m.group_of_node.pop_back(); }), HasSubstr("group"));

@@ -197,9 +197,11 @@ TEST(AnswerSummary, HasEachWarningOnceAndKnowsWhetherAPartitionIsPromised) {
   FracturedSolid made;
   made.set.certificate.open_edges = 3;
   made.report.remarks = {{"b", "a", "b"}, {"n", "n"}};
+  made.report.dropped = {{"light", "Lamp", "why"}};
   const AnswerSummary partition = summary_of(made);
   EXPECT_EQ(partition.certificate.open_edges, 3u);
   EXPECT_EQ(partition.remarks, (Remarks{{"b", "a"}, {"n"}}));
+  EXPECT_EQ(partition.dropped, made.report.dropped);
   EXPECT_TRUE(partition.partition && partition.judged);
   made.report.barycenter.emplace();
   EXPECT_FALSE(summary_of(made).partition);
@@ -211,15 +213,19 @@ TEST(AnswerSummary, IsReadFromAFileThatIsFromElsewhere) {
     const std::string text = document.dump();
     return summary_in(std::vector<std::uint8_t>(text.begin(), text.end()), OutputFormat::kGltf);
   };
-  json figures = {{"bonds", json::object()},
-                  {"certificate",
-                   {{"open_edges", 1},
-                    {"unmirrored_caps", 2},
-                    {"volume_in", 3},
-                    {"volume_out", 3.5},
-                    {"relative_error", 0.25},
-                    {"fragments", 4}}},
-                  {"report", {{"warnings", {"w", "w"}}, {"notes", {"n", "m", "n"}}}}};
+  json figures = {
+      {"bonds", json::object()},
+      {"certificate",
+       {{"open_edges", 1},
+        {"unmirrored_caps", 2},
+        {"volume_in", 3},
+        {"volume_out", 3.5},
+        {"relative_error", 0.25},
+        {"fragments", 4}}},
+      {"report",
+       {{"warnings", {"w", "w"}},
+        {"notes", {"n", "m", "n"}},
+        {"dropped", json::array({{{"what", "light"}, {"name", "Lamp"}, {"reason", "why"}}, 7})}}}};
   const AnswerSummary summary = read(figures);
   EXPECT_EQ(summary.certificate.open_edges, 1u);
   EXPECT_EQ(summary.certificate.unmirrored_caps, 2u);
@@ -228,6 +234,7 @@ TEST(AnswerSummary, IsReadFromAFileThatIsFromElsewhere) {
   EXPECT_EQ(summary.certificate.relative_error, 0.25);
   EXPECT_EQ(summary.certificate.fragments, 4u);
   EXPECT_EQ(summary.remarks, (Remarks{{"w"}, {"n", "m"}}));
+  EXPECT_EQ(summary.dropped, (std::vector<Dropped>{{"light", "Lamp", "why"}}));
   EXPECT_TRUE(summary.partition && summary.judged);
   figures["report"]["barycenter"] = json::object();
   figures["certificate"].erase("unmirrored_caps");

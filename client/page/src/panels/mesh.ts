@@ -24,7 +24,7 @@ export function meshPanel(app: App): TemplateResult {
 }
 
 function report(app: App): TemplateResult {
-  const { source, look } = app.state, { whole, mesh, label } = source!, { solid, frame, warnings = [], notes = [] } = whole.report as Record<string, any>;
+  const { source, look } = app.state, { whole, mesh, label } = source!, { solid, frame, warnings = [], notes = [], dropped = [] } = whole.report as Record<string, any>;
   const { min, max } = app.view?.batch ? boundsOf(app) : { min: [0, 0, 0], max: [0, 0, 0] };
   const sides = max.map((value, k) => value - min[k]!);
   const clean = solid.open_edges === 0 && solid.holes_filled === 0 && solid.nonmanifold_edges === 0;
@@ -58,7 +58,7 @@ function report(app: App): TemplateResult {
       ${words.mesh.showRepairs}</label>
     <label class="check"><input type="checkbox" .checked=${look.person} @change=${(event: Event) => app.look({ person: (event.target as HTMLInputElement).checked })}>
       ${words.mesh.showPerson}</label>
-    ${remarkLists(warnings, notes)}
+    ${remarkLists(warnings, notes, dropped)}
     ${choiceButtons(app, whole.choices)}
   </section>`;
 }

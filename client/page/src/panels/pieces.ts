@@ -20,7 +20,7 @@ export function piecesPanel(app: App): TemplateResult {
     ${onlyOneNotice(app)}
     <section aria-label=${words.pieces.list}>
       <div class="row between"><h2>${words.pieces.count(fragments.length)}</h2>${sealButton(app)}</div>
-      ${remarkLists(answer.warnings, answer.notes)}
+      ${remarkLists(answer.warnings, answer.notes, answer.dropped)}
       ${choiceButtons(app, answer.choices)}
     </section>
     <section aria-label=${words.pieces.sizes}>

@@ -1,14 +1,18 @@
-// Remarks on an answer or a mesh: warnings, notes, and why the number of fragments differs from the request.
+// Remarks on an answer or a mesh: warnings, what was dropped, notes, and why the number of fragments differs from the request.
+import type { Dropped } from 'fracture-client';
 import { html, nothing, type TemplateResult } from 'lit';
 import type { Shown } from '../app/state';
 import { words } from '../words/words';
 
-/** Draws warnings, which are always visible, and notes, which are collapsed. */
-export function remarkLists(warnings: readonly string[], notes: readonly string[]): TemplateResult {
+/** Draws warnings, which are always visible, and collapsed lists of dropped things and of notes. */
+export function remarkLists(warnings: readonly string[], notes: readonly string[], dropped: readonly Dropped[] = []): TemplateResult {
   const list = (texts: readonly string[]) => html`<ul class="notes">${texts.map(text => html`<li>${text}</li>`)}</ul>`;
+  const collapsed = (title: string, texts: readonly string[]) => texts.length === 0 ? nothing
+    : html`<details><summary>${title} <span class="hint">${texts.length.toLocaleString('en')}</span></summary>${list(texts)}</details>`;
   return html`
     ${warnings.length > 0 ? html`<div class="warnings"><h3>${words.remarks.warnings}</h3>${list(warnings)}</div>` : nothing}
-    ${notes.length > 0 ? html`<details><summary>${words.remarks.notes} <span class="hint">${notes.length.toLocaleString('en')}</span></summary>${list(notes)}</details>` : nothing}`;
+    ${collapsed(words.remarks.dropped, dropped.map(({ what, name, reason }) => `${what}${name === '' ? '' : ` ${name}`}: ${reason}`))}
+    ${collapsed(words.remarks.notes, notes)}`;
 }
 
 /** Explains why there are more or fewer fragments than requested; undefined if the number matches or none was requested. */

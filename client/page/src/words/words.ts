@@ -48,7 +48,7 @@ export const words = {
     expected: (fragments: string, triangles: string, bytes: string, memory: string) => `Expected: about ${fragments} fragments, ${triangles} triangles, a file of ${bytes} and ${memory} of memory.`,
     noMatch: 'No parameter has these words in its name, its description or its synonyms.',
   },
-  remarks: { warnings: 'Warnings', notes: 'Notes' },
+  remarks: { warnings: 'Warnings', dropped: 'Dropped from the source', notes: 'Notes' },
   choices: { title: 'Your choice', apply: (what: string) => `Try ${what}` },
   look: {
     explode: 'Explode', colours: 'Colours', cuts: 'Cuts', cutsHint: 'Show only cut faces', bonds: 'Bonds', bondsHint: 'Show bonds as lines; a thicker line means a larger bond area',

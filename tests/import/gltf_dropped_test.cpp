@@ -1,0 +1,369 @@
+// Everything in a glTF file is in the mesh, is applied to it, or is listed in Mesh::dropped.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "common/mesh/material_library.hpp"
+#include "tests/import/make_files.hpp"
+
+namespace fracture::test {
+namespace {
+
+using nlohmann::json;
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+using ::testing::UnorderedElementsAre;
+
+Mesh import_ok(const Tetrahedron& tet) {
+  Expected<Mesh> mesh = import_text(tet.glb(), MeshFormat::kGlb);
+  EXPECT_TRUE(mesh) << (mesh ? "" : mesh.error().detail);
+  return mesh ? std::move(*mesh) : Mesh{};
+}
+
+/// "what name" of each entry. Every entry has a reason.
+std::vector<std::string> dropped_by(const Tetrahedron& tet) {
+  std::vector<std::string> texts;
+  for (const Dropped& entry : import_ok(tet).dropped) {
+    EXPECT_FALSE(entry.reason.empty()) << entry.what << entry.name;
+    texts.push_back(entry.what + " " + entry.name);
+  }
+  return texts;
+}
+
+TEST(GltfDropped, AFileOfTrianglesAloneLosesNothing) {
+  Tetrahedron tet;
+  std::string uvs;
+  put<float>(uvs, {0, 0, 1, 0, 0, 1, 1, 1});
+  tet.primitive()["attributes"]["TEXCOORD_0"] = tet.add_accessor(uvs, 5126, 4, "VEC2");
+  tet.json["asset"]["generator"] = "by hand";
+  tet.json["scenes"][0]["name"] = "Scene";
+  tet.json["materials"] = {{{"name", "Paint"}, {"extras", {{"shader", "foo"}}}}};
+  tet.primitive()["material"] = 0;
+  EXPECT_THAT(dropped_by(tet), IsEmpty());
+  EXPECT_THAT(import_ok(tet).node_extras, IsEmpty());
+}
+
+TEST(GltfDropped, LightsCamerasAndAnimationsAreNamedByThemselvesOrByTheirNodes) {
+  Tetrahedron tet;
+  tet.json["extensionsUsed"] = json::array({"KHR_lights_punctual"});
+  tet.json["extensions"]["KHR_lights_punctual"]["lights"] = {
+      {{"type", "point"}, {"name", "Lamp"}}, {{"type", "spot"}}, {{"type", "spot"}}};
+  tet.json["cameras"] = {{{"type", "perspective"}, {"perspective", {{"yfov", 1}, {"znear", 0.1}}}}};
+  tet.json["nodes"].push_back({{"name", "Eye"}, {"camera", 0}});
+  tet.json["nodes"].push_back({{"name", "Torch"}, {"extensions", {{"KHR_lights_punctual", {{"light", 1}}}}}});
+  tet.json["scenes"][0]["nodes"] = {0, 1, 2};
+  tet.json["animations"] = {{{"name", "Spin"}, {"channels", json::array()}, {"samplers", json::array()}},
+                            {{"channels", json::array()}, {"samplers", json::array()}}};
+  EXPECT_THAT(dropped_by(tet),
+              UnorderedElementsAre("extension KHR_lights_punctual", "light Lamp", "light Torch",
+                                   "light /extensions/KHR_lights_punctual/lights/2", "camera Eye",
+                                   "animation Spin", "animation /animations/1"));
+  const Mesh mesh = import_ok(tet);
+  EXPECT_TRUE(mesh.remarks.empty()) << "the list says it";
+  ASSERT_EQ(mesh.empty_nodes.size(), 2u) << "the places of the camera and the light";
+  EXPECT_EQ(mesh.empty_nodes[0].name, "Eye");
+}
+
+TEST(GltfDropped, NodesWithoutAMeshKeepTheirPlaceInTheSceneAndTheirExtras) {
+  Tetrahedron tet;
+  tet.json["nodes"] = {
+      {{"name", "House"}, {"translation", {0, 1, 0}}, {"scale", {2, 2, 2}}, {"children", {1, 2}}},
+      {{"mesh", 0}, {"name", "Wall"}},
+      {{"name", "socket"}, {"translation", {1, 0, 0}}, {"children", {3}}},
+      {{"name", "tip"}, {"translation", {0, 0, 3}}}};
+  tet.json["nodes"][2]["extras"] = {{"socket", true}, {"fracture", 1}};
+  const Mesh mesh = import_ok(tet);
+  const EmptyNode socket{"socket", {2, 0, 0}, {0, 2, 0}, {0, 0, 2}, {2, 1, 0}, "\"socket\":true"},
+      tip{"tip", {2, 0, 0}, {0, 2, 0}, {0, 0, 2}, {2, 1, 6}, ""};
+  EXPECT_THAT(mesh.empty_nodes, ElementsAre(socket, tip));
+  EXPECT_THAT(dropped_by(tet), ElementsAre("node House")) << "which has a mesh below it";
+}
+
+TEST(GltfDropped, NodesWhoseTransformANodeCannotHaveAndThoseBeyondTheLimitAreNamed) {
+  Tetrahedron tet;
+  const double h = 0.70710678118654752440;  // a turn by an eighth below an uneven scale is a shear
+  tet.json["nodes"] = {
+      {{"mesh", 0}, {"name", "tet"}},
+      {{"name", "uneven"}, {"scale", {1, 3, 1}}, {"children", {2}}},
+      {{"name", "sheared"}, {"rotation", {0, 0, std::sqrt((1 - h) / 2), std::sqrt((1 + h) / 2)}}},
+      {{"name", "flat"}, {"scale", {1, 0, 1}}}};
+  tet.json["scenes"][0]["nodes"] = {0, 1, 3};
+  EXPECT_THAT(dropped_by(tet), UnorderedElementsAre("node sheared", "node flat"));
+  EXPECT_EQ(import_ok(tet).empty_nodes.size(), 1u);
+  for (int k = 0; k < 1'010; ++k) {
+    tet.json["scenes"][0]["nodes"].push_back(tet.json["nodes"].size());
+    tet.json["nodes"].push_back({{"name", "socket"}, {"translation", {0, 0, k}}});
+  }
+  EXPECT_EQ(import_ok(tet).empty_nodes.size(), 1'000u);
+  EXPECT_THAT(dropped_by(tet), UnorderedElementsAre("node sheared", "node flat", "node socket"));
+}
+
+TEST(GltfDropped, CollidersOfTheSourceAreNoEmptyNodes) {
+  Tetrahedron tet;
+  tet.json["nodes"].push_back({{"name", "tet_00_collider"}});
+  tet.json["nodes"][1]["extensions"]["KHR_physics_rigid_bodies"]["collider"] = json::object();
+  tet.node()["children"] = json::array({1});
+  EXPECT_THAT(dropped_by(tet),
+              UnorderedElementsAre("extension KHR_physics_rigid_bodies", "node tet_00_collider"));
+  EXPECT_THAT(import_ok(tet).empty_nodes, IsEmpty());
+}
+
+TEST(GltfDropped, NodesThatTheAnswerLacksAreNamed) {
+  Tetrahedron tet;
+  tet.json["nodes"] = {{{"name", "House"}, {"children", {1, 2}}},
+                       {{"name", "Wall"}, {"mesh", 0}},
+                       {{"name", "socket_fx"}},
+                       {{"name", "Elsewhere"}, {"mesh", 0}},
+                       {{"name", "Alone"}},
+                       json::object()};
+  tet.json["scenes"] = {{{"nodes", {0, 5}}}, {{"nodes", {3}}, {"name", "Other"}}};
+  EXPECT_THAT(dropped_by(tet),
+              UnorderedElementsAre("node House", "node Elsewhere", "node Alone", "scene Other"));
+  const Mesh mesh = import_ok(tet);
+  EXPECT_EQ(mesh.node_names, std::vector<std::string>{"Wall"});
+  EXPECT_THAT(mesh.empty_nodes, ElementsAre(EmptyNode{.name = "socket_fx"}, EmptyNode{.name = "empty"}));
+}
+
+TEST(GltfDropped, AMeshThatNoNodeShowsIsNamed) {
+  Tetrahedron tet;
+  tet.json["meshes"].push_back(tet.json["meshes"][0]);
+  tet.json["meshes"][1]["name"] = "Spare";
+  EXPECT_THAT(dropped_by(tet), ElementsAre("mesh Spare"));
+}
+
+TEST(GltfDropped, AttributesAndPrimitivesThatFragmentsCannotHaveAreNamed) {
+  Tetrahedron tet;
+  std::string numbers, uvs;
+  put<float>(numbers, {1, 2, 3, 4});
+  put<float>(uvs, {0, 0, 1, 0, 0, 1, 1, 1});
+  json& mesh = tet.json["meshes"][0];
+  mesh["name"] = "Box";
+  json& attributes = tet.primitive()["attributes"];
+  attributes["_FEATURE_ID_0"] = tet.add_accessor(numbers, 5126, 4, "SCALAR");
+  attributes["TEXCOORD_0"] = tet.add_accessor(uvs, 5126, 4, "VEC2");
+  attributes["TEXCOORD_2"] = attributes["TEXCOORD_0"];  // TEXCOORD_1 is missing, so this one is not read
+  mesh["primitives"].push_back({{"attributes", {{"POSITION", 0}}}, {"mode", 0}});
+  mesh["primitives"].push_back({{"attributes", {{"POSITION", 0}}}, {"mode", 3}});
+  EXPECT_THAT(dropped_by(tet),
+              UnorderedElementsAre("attribute _FEATURE_ID_0 of Box", "attribute TEXCOORD_2 of Box",
+                                   "points Box", "lines Box"));
+  const Mesh read = import_ok(tet);
+  EXPECT_EQ(read.attributes.uvs.size(), 1u);
+  EXPECT_EQ(read.triangles.size(), 4u);
+}
+
+TEST(GltfDropped, BonesVariantsAndMorphTargetsAreNamed) {
+  Tetrahedron tet;
+  std::string moves;
+  put<float>(moves, {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0});
+  tet.json["meshes"][0]["name"] = "Box";
+  tet.primitive()["targets"] = {{{"POSITION", tet.add_accessor(moves, 5126, 4, "VEC3")}}};
+  tet.primitive()["extensions"]["KHR_materials_variants"]["mappings"] = {
+      {{"material", 0}, {"variants", {0}}}};
+  tet.json["materials"] = {{{"name", "Snow"}}};
+  tet.json["extensions"]["KHR_materials_variants"]["variants"] = {{{"name", "winter"}}};
+  tet.json["skins"] = {{{"name", "Rig"}, {"joints", {1}}}};
+  tet.json["nodes"].push_back({{"name", "Bone"}});
+  tet.json["scenes"][0]["nodes"] = {0, 1};
+  EXPECT_THAT(dropped_by(tet),
+              UnorderedElementsAre("extension KHR_materials_variants", "material variant winter", "skin Rig",
+                                   "bone Bone", "morph targets Box"));
+}
+
+TEST(GltfDropped, ExtrasOfNodesAreKeptAndOthersAreNamed) {
+  Tetrahedron tet;
+  tet.node()["extras"] = {
+      {"hp", 120}, {"loot", "gem \"x\""}, {"fracture", {{"id", 7}}}, {"intact", true}, {"whole", 1}};
+  tet.json["scenes"][0]["extras"] = {{"scene", "?"}};
+  tet.json["scenes"][0]["name"] = "Stage";
+  tet.json["meshes"][0]["extras"] = {{"mesh", "?"}};
+  tet.json["meshes"][0]["name"] = "Box";
+  tet.primitive()["extras"] = 5;
+  tet.json["asset"]["extras"] = {{"asset", "?"}};
+  EXPECT_THAT(dropped_by(tet), UnorderedElementsAre("extras Stage", "extras Box", "extras a primitive of Box",
+                                                    "extras /asset/extras"));
+  const Mesh mesh = import_ok(tet);
+  ASSERT_EQ(mesh.node_extras.size(), 1u);
+  EXPECT_EQ(json::parse("{" + mesh.node_extras[0] + "}"), json({{"hp", 120}, {"loot", "gem \"x\""}}))
+      << "without the results of an earlier fracture";
+}
+
+TEST(GltfDropped, ExtrasThatFragmentsCannotCarryAreNamed) {
+  Tetrahedron tet;
+  tet.node()["extras"] = json::array({1, 2});
+  EXPECT_THAT(dropped_by(tet), ElementsAre("extras tet"));
+  tet.node()["extras"] = {{"long", std::string(5'000, 'x')}};
+  EXPECT_THAT(dropped_by(tet), ElementsAre("extras tet"));
+  EXPECT_THAT(import_ok(tet).node_extras, IsEmpty());
+  tet.node()["extras"] = {{"fracture", {{"id", 7}}}};
+  EXPECT_THAT(dropped_by(tet), IsEmpty()) << "the answer writes its own";
+}
+
+TEST(GltfDropped, EachInstanceCarriesTheExtrasOfItsNodeAndOtherNodesNone) {
+  Tetrahedron tet;
+  std::string moves;
+  put<float>(moves, {0, 0, 0, 5, 0, 0});
+  tet.json["nodes"] = {{{"mesh", 0}, {"name", "plain"}}, {{"mesh", 0}, {"name", "pair"}}};
+  tet.json["nodes"][1]["extras"] = {{"hp", 1}};
+  tet.json["nodes"][1]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"] = {
+      {"TRANSLATION", tet.add_accessor(moves, 5126, 2, "VEC3")}, {"_ID", 0}};
+  tet.json["scenes"][0]["nodes"] = {0, 1};
+  EXPECT_EQ(import_ok(tet).node_extras, (std::vector<std::string>{"", "\"hp\":1", "\"hp\":1"}));
+  EXPECT_THAT(dropped_by(tet), ElementsAre("attribute _ID of pair"));
+}
+
+TEST(GltfDropped, UnknownExtensionsAreNamedAndThoseInExtrasAreNone) {
+  Tetrahedron tet;
+  tet.node()["extensions"]["ACME_holograms"] = json::object();
+  tet.node()["extras"]["extensions"]["ACME_text"] = json::object();
+  tet.json["extensionsUsed"] = {"ACME_holograms", "KHR_materials_unlit", "KHR_mesh_quantization"};
+  EXPECT_THAT(dropped_by(tet), ElementsAre("extension ACME_holograms"));
+}
+
+/// Collects the value of each member `name`, except those of scenes.
+void collect_names(const json& value, std::vector<std::string>& names) {
+  for (const auto& [key, child] : value.items()) {
+    if (key == "name" && child.is_string()) names.push_back(child.get<std::string>());
+    if (key != "scenes" && child.is_structured()) collect_names(child, names);
+  }
+}
+
+TEST(GltfDropped, EveryNameInTheFileIsInTheMeshOrListed) {
+  Tetrahedron tet;
+  std::string numbers;
+  put<float>(numbers, {1, 2, 3, 4});
+  tet.primitive()["attributes"]["_HEAT"] = tet.add_accessor(numbers, 5126, 4, "SCALAR");
+  tet.primitive()["material"] = 0;
+  tet.json["materials"] = {{{"name", "Paint"}}, {{"name", "Unused"}}};
+  tet.json["meshes"][0]["name"] = "Box";
+  tet.json["meshes"].push_back({{"name", "Spare"}, {"primitives", tet.json["meshes"][0]["primitives"]}});
+  tet.json["extensions"] = {
+      {"KHR_lights_punctual", {{"lights", json::array({{{"type", "point"}, {"name", "lamp"}}})}}},
+      {"KHR_materials_variants", {{"variants", json::array({{{"name", "snow"}}})}}}};
+  tet.json["cameras"] = json::array({{{"type", "orthographic"}, {"name", "lens"}}});
+  tet.json["skins"] = json::array({{{"name", "rig"}, {"joints", {6}}}});
+  tet.json["animations"] =
+      json::array({{{"name", "spin"}, {"channels", json::array()}, {"samplers", json::array()}}});
+  tet.json["nodes"] = {
+      {{"name", "\u684c\u5b50"}, {"mesh", 0}},
+      {{"name", "group"}, {"children", {2}}},
+      {{"name", "in group"}, {"mesh", 0}},
+      {{"name", "cam"}, {"camera", 0}},
+      {{"name", "lamp holder"}, {"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}},
+      {{"name", "socket_fx"}},
+      {{"name", "bone"}},
+      {{"name", "outside"}, {"mesh", 0}},
+      {{"name", "hidden"}, {"mesh", 0}, {"extensions", {{"KHR_node_visibility", {{"visible", false}}}}}}};
+  tet.json["scenes"][0]["nodes"] = {0, 1, 3, 4, 5, 6, 8};
+  const Mesh mesh = import_ok(tet);
+  std::string found = mesh.library->materials.dump();
+  for (const std::string& name : mesh.node_names) found += "|" + name + "|";
+  for (const NodeGroup& group : mesh.groups) found += "|" + group.name + "|";
+  for (const EmptyNode& node : mesh.empty_nodes) found += "|" + node.name + "|";
+  for (const Dropped& entry : mesh.dropped) found += "|" + entry.name + "|";
+  std::vector<std::string> names;
+  collect_names(tet.json, names);
+  EXPECT_EQ(names.size(), 18u);
+  for (const std::string& name : names) EXPECT_NE(found.find(name), std::string::npos) << name;
+  EXPECT_NE(found.find("_HEAT"), std::string::npos);
+}
+
+// -- extensions that a file requires
+
+class Required : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(Required, IsReadAndNamedIfItDoesNotTouchTriangles) {
+  Tetrahedron tet;
+  tet.json["extensionsUsed"] = json::array({GetParam()});
+  tet.json["extensionsRequired"] = json::array({GetParam()});
+  EXPECT_THAT(dropped_by(tet), ElementsAre(std::string("extension ") + GetParam()));
+  EXPECT_DOUBLE_EQ(signed_volume(import_ok(tet)), 1.0 / 6);
+}
+
+INSTANTIATE_TEST_SUITE_P(Extensions, Required,
+                         ::testing::Values("KHR_materials_variants", "KHR_lights_punctual", "KHR_xmp_json_ld",
+                                           "KHR_animation_pointer", "EXT_structural_metadata", "VRMC_vrm",
+                                           "MSFT_lod", "CESIUM_primitive_outline", "KHR_interactivity",
+                                           "AGI_articulations", "EXT_lights_image_based", "EXT_texture_video",
+                                           "FB_geometry_metadata", "KHR_node_hoverability",
+                                           "KHR_texture_procedurals"));
+
+TEST(GltfRequired, ExtensionsThatAreAppliedAreNotNamed) {
+  for (const char* name : {"KHR_node_visibility", "KHR_meshopt_compression", "KHR_mesh_quantization"}) {
+    Tetrahedron tet;
+    tet.json["extensionsUsed"] = json::array({name});
+    tet.json["extensionsRequired"] = json::array({name});
+    EXPECT_THAT(dropped_by(tet), IsEmpty()) << name;
+  }
+}
+
+TEST(GltfRequired, ExtensionsThatChangeGeometryAreRefusedByName) {
+  for (const char* name :
+       {"KHR_accessor_float64", "KHR_gaussian_splatting", "KHR_mesh_primitive_restart", "ACME_holograms"}) {
+    Tetrahedron tet;
+    tet.json["extensionsRequired"] = json::array({name});
+    const Expected<Mesh> mesh = import_text(tet.glb(), MeshFormat::kGlb);
+    ASSERT_FALSE(mesh) << name;
+    EXPECT_EQ(mesh.error().code, ErrorCode::kUnsupportedFeature);
+    EXPECT_NE(mesh.error().detail.find(name), std::string::npos) << mesh.error().detail;
+  }
+}
+
+TEST(GltfRequired, HiddenNodesAndThoseBelowThemAreLeftOutAndNamed) {
+  Tetrahedron tet;
+  const json hidden = {{"KHR_node_visibility", {{"visible", false}}}},
+             seen = {{"KHR_node_visibility", {{"visible", true}}}};
+  tet.json["nodes"] = {{{"mesh", 0}, {"name", "Seen"}, {"extensions", seen}},
+                       {{"name", "Hidden"}, {"extensions", hidden}, {"children", {2}}},
+                       {{"mesh", 0}, {"name", "Below"}, {"extensions", seen}}};
+  tet.json["scenes"][0]["nodes"] = {0, 1};
+  EXPECT_EQ(import_ok(tet).node_names, std::vector<std::string>{"Seen"});
+  EXPECT_THAT(dropped_by(tet), UnorderedElementsAre("node Hidden", "node Below"));
+  // A hidden joint still poses the mesh.
+  std::string joints, weights;
+  put<std::uint8_t>(joints, {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0});
+  put<float>(weights, {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0});
+  tet.primitive()["attributes"]["JOINTS_0"] = tet.add_accessor(joints, 5121, 4, "VEC4");
+  tet.primitive()["attributes"]["WEIGHTS_0"] = tet.add_accessor(weights, 5126, 4, "VEC4");
+  tet.json["skins"] = {{{"joints", {1}}}};
+  tet.node()["skin"] = 0;
+  tet.json["nodes"][1]["translation"] = {0, 0, 7};
+  EXPECT_EQ(import_ok(tet).positions[0], (Vec3f{0, 0, 7}));
+}
+
+TEST(GltfRequired, TheCenterOfCesiumRtcIsAddedToTranslations) {
+  Tetrahedron tet;
+  tet.json["extensionsRequired"] = json::array({"CESIUM_RTC"});
+  tet.json["extensions"]["CESIUM_RTC"]["center"] = {10, 20, 30};
+  tet.node()["scale"] = {2, 2, 2};
+  tet.node()["translation"] = {1, 0, 0};
+  EXPECT_EQ(import_ok(tet).positions[1], (Vec3f{13, 20, 30})) << "the centre is not scaled";
+  EXPECT_THAT(dropped_by(tet), IsEmpty());
+  for (const json& wrong : {json(5), json::array({1, 2}), json::array({1, 2, "3"})}) {
+    tet.json["extensions"]["CESIUM_RTC"]["center"] = wrong;
+    const Expected<Mesh> mesh = import_text(tet.glb(), MeshFormat::kGlb);
+    ASSERT_FALSE(mesh) << wrong;
+    EXPECT_EQ(mesh.error().pointer, "/extensions/CESIUM_RTC/center");
+  }
+}
+
+// -- values of wrong types
+
+TEST(GltfDropped, ListsOfWrongTypesDoNoHarm) {
+  for (const json& odd : {json(5), json("x"), json::array({7, "y", nullptr}), json::object()}) {
+    Tetrahedron tet;
+    tet.json["cameras"] = odd;
+    tet.json["extensions"] = {{"KHR_lights_punctual", {{"lights", odd}}}, {"KHR_materials_variants", odd}};
+    tet.json["extensionsUsed"] = odd;
+    tet.node()["extensions"] = {{"KHR_lights_punctual", odd},
+                                {"EXT_mesh_gpu_instancing", {{"attributes", 5}}}};
+    tet.node()["extras"] = odd;
+    EXPECT_EQ(import_ok(tet).triangles.size(), 4u) << odd;
+    EXPECT_THAT(dropped_by(tet), Contains("extension KHR_lights_punctual"));
+  }
+}
+
+}  // namespace
+}  // namespace fracture::test
