@@ -9,12 +9,6 @@ namespace {
 
 using ::testing::HasSubstr;
 
-Mesh import_ok(std::string_view text, MeshFormat format, std::span<const ImportFile> files = {}) {
-  Expected<Mesh> mesh = import_text(text, format, {}, files);
-  EXPECT_TRUE(mesh) << (mesh ? "" : mesh.error().detail);
-  return mesh ? std::move(*mesh) : Mesh{};
-}
-
 TEST(BlendImport, DamagedZstandardIsRefused) {
   const Expected<Mesh> mesh = import_text("\x28\xb5\x2f\xfd" + std::string(100, 'x'), MeshFormat::kBlend);
   ASSERT_FALSE(mesh);

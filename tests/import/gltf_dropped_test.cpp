@@ -16,7 +16,7 @@ using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 using ::testing::UnorderedElementsAre;
 
-Mesh import_ok(const Tetrahedron& tet) {
+Mesh import_with_losses(const Tetrahedron& tet) {
   Expected<Mesh> mesh = import_text(tet.glb(), MeshFormat::kGlb);
   EXPECT_TRUE(mesh) << (mesh ? "" : mesh.error().detail);
   return mesh ? std::move(*mesh) : Mesh{};
@@ -25,7 +25,7 @@ Mesh import_ok(const Tetrahedron& tet) {
 /// "what name" of each entry. Every entry has a reason.
 std::vector<std::string> dropped_by(const Tetrahedron& tet) {
   std::vector<std::string> texts;
-  for (const Dropped& entry : import_ok(tet).dropped) {
+  for (const Dropped& entry : import_with_losses(tet).dropped) {
     EXPECT_FALSE(entry.reason.empty()) << entry.what << entry.name;
     texts.push_back(entry.what + " " + entry.name);
   }
@@ -42,7 +42,7 @@ TEST(GltfDropped, AFileOfTrianglesAloneLosesNothing) {
   tet.json["materials"] = {{{"name", "Paint"}, {"extras", {{"shader", "foo"}}}}};
   tet.primitive()["material"] = 0;
   EXPECT_THAT(dropped_by(tet), IsEmpty());
-  EXPECT_THAT(import_ok(tet).node_extras, IsEmpty());
+  EXPECT_THAT(import_with_losses(tet).node_extras, IsEmpty());
 }
 
 TEST(GltfDropped, LightsCamerasAndAnimationsAreNamedByThemselvesOrByTheirNodes) {
@@ -60,7 +60,7 @@ TEST(GltfDropped, LightsCamerasAndAnimationsAreNamedByThemselvesOrByTheirNodes) 
               UnorderedElementsAre("extension KHR_lights_punctual", "light Lamp", "light Torch",
                                    "light /extensions/KHR_lights_punctual/lights/2", "camera Eye",
                                    "animation Spin", "animation /animations/1"));
-  const Mesh mesh = import_ok(tet);
+  const Mesh mesh = import_with_losses(tet);
   EXPECT_TRUE(mesh.remarks.empty()) << "the list says it";
   ASSERT_EQ(mesh.empty_nodes.size(), 2u) << "the places of the camera and the light";
   EXPECT_EQ(mesh.empty_nodes[0].name, "Eye");
@@ -74,7 +74,7 @@ TEST(GltfDropped, NodesWithoutAMeshKeepTheirPlaceInTheSceneAndTheirExtras) {
       {{"name", "socket"}, {"translation", {1, 0, 0}}, {"children", {3}}},
       {{"name", "tip"}, {"translation", {0, 0, 3}}}};
   tet.json["nodes"][2]["extras"] = {{"socket", true}, {"fracture", 1}};
-  const Mesh mesh = import_ok(tet);
+  const Mesh mesh = import_with_losses(tet);
   const EmptyNode socket{"socket", {2, 0, 0}, {0, 2, 0}, {0, 0, 2}, {2, 1, 0}, "\"socket\":true"},
       tip{"tip", {2, 0, 0}, {0, 2, 0}, {0, 0, 2}, {2, 1, 6}, ""};
   EXPECT_THAT(mesh.empty_nodes, ElementsAre(socket, tip));
@@ -91,12 +91,12 @@ TEST(GltfDropped, NodesWhoseTransformANodeCannotHaveAndThoseBeyondTheLimitAreNam
       {{"name", "flat"}, {"scale", {1, 0, 1}}}};
   tet.json["scenes"][0]["nodes"] = {0, 1, 3};
   EXPECT_THAT(dropped_by(tet), UnorderedElementsAre("node sheared", "node flat"));
-  EXPECT_EQ(import_ok(tet).empty_nodes.size(), 1u);
+  EXPECT_EQ(import_with_losses(tet).empty_nodes.size(), 1u);
   for (int k = 0; k < 1'010; ++k) {
     tet.json["scenes"][0]["nodes"].push_back(tet.json["nodes"].size());
     tet.json["nodes"].push_back({{"name", "socket"}, {"translation", {0, 0, k}}});
   }
-  EXPECT_EQ(import_ok(tet).empty_nodes.size(), 1'000u);
+  EXPECT_EQ(import_with_losses(tet).empty_nodes.size(), 1'000u);
   EXPECT_THAT(dropped_by(tet), UnorderedElementsAre("node sheared", "node flat", "node socket"));
 }
 
@@ -107,7 +107,7 @@ TEST(GltfDropped, CollidersOfTheSourceAreNoEmptyNodes) {
   tet.node()["children"] = json::array({1});
   EXPECT_THAT(dropped_by(tet),
               UnorderedElementsAre("extension KHR_physics_rigid_bodies", "node tet_00_collider"));
-  EXPECT_THAT(import_ok(tet).empty_nodes, IsEmpty());
+  EXPECT_THAT(import_with_losses(tet).empty_nodes, IsEmpty());
 }
 
 TEST(GltfDropped, NodesThatTheAnswerLacksAreNamed) {
@@ -121,7 +121,7 @@ TEST(GltfDropped, NodesThatTheAnswerLacksAreNamed) {
   tet.json["scenes"] = {{{"nodes", {0, 5}}}, {{"nodes", {3}}, {"name", "Other"}}};
   EXPECT_THAT(dropped_by(tet),
               UnorderedElementsAre("node House", "node Elsewhere", "node Alone", "scene Other"));
-  const Mesh mesh = import_ok(tet);
+  const Mesh mesh = import_with_losses(tet);
   EXPECT_EQ(mesh.node_names, std::vector<std::string>{"Wall"});
   EXPECT_THAT(mesh.empty_nodes, ElementsAre(EmptyNode{.name = "socket_fx"}, EmptyNode{.name = "empty"}));
 }
@@ -149,7 +149,7 @@ TEST(GltfDropped, AttributesAndPrimitivesThatFragmentsCannotHaveAreNamed) {
   EXPECT_THAT(dropped_by(tet),
               UnorderedElementsAre("attribute _FEATURE_ID_0 of Box", "attribute TEXCOORD_2 of Box",
                                    "points Box", "lines Box"));
-  const Mesh read = import_ok(tet);
+  const Mesh read = import_with_losses(tet);
   EXPECT_EQ(read.attributes.uvs.size(), 1u);
   EXPECT_EQ(read.triangles.size(), 4u);
 }
@@ -184,7 +184,7 @@ TEST(GltfDropped, ExtrasOfNodesAreKeptAndOthersAreNamed) {
   tet.json["asset"]["extras"] = {{"asset", "?"}};
   EXPECT_THAT(dropped_by(tet), UnorderedElementsAre("extras Stage", "extras Box", "extras a primitive of Box",
                                                     "extras /asset/extras"));
-  const Mesh mesh = import_ok(tet);
+  const Mesh mesh = import_with_losses(tet);
   ASSERT_EQ(mesh.node_extras.size(), 1u);
   EXPECT_EQ(json::parse("{" + mesh.node_extras[0] + "}"), json({{"hp", 120}, {"loot", "gem \"x\""}}))
       << "without the results of an earlier fracture";
@@ -196,7 +196,7 @@ TEST(GltfDropped, ExtrasThatFragmentsCannotCarryAreNamed) {
   EXPECT_THAT(dropped_by(tet), ElementsAre("extras tet"));
   tet.node()["extras"] = {{"long", std::string(5'000, 'x')}};
   EXPECT_THAT(dropped_by(tet), ElementsAre("extras tet"));
-  EXPECT_THAT(import_ok(tet).node_extras, IsEmpty());
+  EXPECT_THAT(import_with_losses(tet).node_extras, IsEmpty());
   tet.node()["extras"] = {{"fracture", {{"id", 7}}}};
   EXPECT_THAT(dropped_by(tet), IsEmpty()) << "the answer writes its own";
 }
@@ -210,7 +210,7 @@ TEST(GltfDropped, EachInstanceCarriesTheExtrasOfItsNodeAndOtherNodesNone) {
   tet.json["nodes"][1]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"] = {
       {"TRANSLATION", tet.add_accessor(moves, 5126, 2, "VEC3")}, {"_ID", 0}};
   tet.json["scenes"][0]["nodes"] = {0, 1};
-  EXPECT_EQ(import_ok(tet).node_extras, (std::vector<std::string>{"", "\"hp\":1", "\"hp\":1"}));
+  EXPECT_EQ(import_with_losses(tet).node_extras, (std::vector<std::string>{"", "\"hp\":1", "\"hp\":1"}));
   EXPECT_THAT(dropped_by(tet), ElementsAre("attribute _ID of pair"));
 }
 
@@ -257,7 +257,7 @@ TEST(GltfDropped, EveryNameInTheFileIsInTheMeshOrListed) {
       {{"name", "outside"}, {"mesh", 0}},
       {{"name", "hidden"}, {"mesh", 0}, {"extensions", {{"KHR_node_visibility", {{"visible", false}}}}}}};
   tet.json["scenes"][0]["nodes"] = {0, 1, 3, 4, 5, 6, 8};
-  const Mesh mesh = import_ok(tet);
+  const Mesh mesh = import_with_losses(tet);
   std::string found = mesh.library->materials.dump();
   for (const std::string& name : mesh.node_names) found += "|" + name + "|";
   for (const NodeGroup& group : mesh.groups) found += "|" + group.name + "|";
@@ -279,7 +279,7 @@ TEST_P(Required, IsReadAndNamedIfItDoesNotTouchTriangles) {
   tet.json["extensionsUsed"] = json::array({GetParam()});
   tet.json["extensionsRequired"] = json::array({GetParam()});
   EXPECT_THAT(dropped_by(tet), ElementsAre(std::string("extension ") + GetParam()));
-  EXPECT_DOUBLE_EQ(signed_volume(import_ok(tet)), 1.0 / 6);
+  EXPECT_DOUBLE_EQ(signed_volume(import_with_losses(tet)), 1.0 / 6);
 }
 
 INSTANTIATE_TEST_SUITE_P(Extensions, Required,
@@ -319,7 +319,7 @@ TEST(GltfRequired, HiddenNodesAndThoseBelowThemAreLeftOutAndNamed) {
                        {{"name", "Hidden"}, {"extensions", hidden}, {"children", {2}}},
                        {{"mesh", 0}, {"name", "Below"}, {"extensions", seen}}};
   tet.json["scenes"][0]["nodes"] = {0, 1};
-  EXPECT_EQ(import_ok(tet).node_names, std::vector<std::string>{"Seen"});
+  EXPECT_EQ(import_with_losses(tet).node_names, std::vector<std::string>{"Seen"});
   EXPECT_THAT(dropped_by(tet), UnorderedElementsAre("node Hidden", "node Below"));
   // A hidden joint still poses the mesh.
   std::string joints, weights;
@@ -330,7 +330,7 @@ TEST(GltfRequired, HiddenNodesAndThoseBelowThemAreLeftOutAndNamed) {
   tet.json["skins"] = {{{"joints", {1}}}};
   tet.node()["skin"] = 0;
   tet.json["nodes"][1]["translation"] = {0, 0, 7};
-  EXPECT_EQ(import_ok(tet).positions[0], (Vec3f{0, 0, 7}));
+  EXPECT_EQ(import_with_losses(tet).positions[0], (Vec3f{0, 0, 7}));
 }
 
 TEST(GltfRequired, TheCenterOfCesiumRtcIsAddedToTranslations) {
@@ -339,7 +339,7 @@ TEST(GltfRequired, TheCenterOfCesiumRtcIsAddedToTranslations) {
   tet.json["extensions"]["CESIUM_RTC"]["center"] = {10, 20, 30};
   tet.node()["scale"] = {2, 2, 2};
   tet.node()["translation"] = {1, 0, 0};
-  EXPECT_EQ(import_ok(tet).positions[1], (Vec3f{13, 20, 30})) << "the centre is not scaled";
+  EXPECT_EQ(import_with_losses(tet).positions[1], (Vec3f{13, 20, 30})) << "the centre is not scaled";
   EXPECT_THAT(dropped_by(tet), IsEmpty());
   for (const json& wrong : {json(5), json::array({1, 2}), json::array({1, 2, "3"})}) {
     tet.json["extensions"]["CESIUM_RTC"]["center"] = wrong;
@@ -360,7 +360,7 @@ TEST(GltfDropped, ListsOfWrongTypesDoNoHarm) {
     tet.node()["extensions"] = {{"KHR_lights_punctual", odd},
                                 {"EXT_mesh_gpu_instancing", {{"attributes", 5}}}};
     tet.node()["extras"] = odd;
-    EXPECT_EQ(import_ok(tet).triangles.size(), 4u) << odd;
+    EXPECT_EQ(import_with_losses(tet).triangles.size(), 4u) << odd;
     EXPECT_THAT(dropped_by(tet), Contains("extension KHR_lights_punctual"));
   }
 }

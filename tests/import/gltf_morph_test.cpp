@@ -12,7 +12,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-Mesh import_ok(const Tetrahedron& tet) {
+Mesh import_at_rest(const Tetrahedron& tet) {
   Expected<Mesh> mesh = import_text(tet.glb(), MeshFormat::kGlb);
   EXPECT_TRUE(mesh) << (mesh ? "" : mesh.error().detail);
   return mesh ? std::move(*mesh) : Mesh{};
@@ -35,7 +35,7 @@ Tetrahedron with_targets() {
 TEST(GltfMorph, WeightsOfTheMeshAreAppliedAtRest) {
   Tetrahedron tet = with_targets();
   tet.json["meshes"][0]["weights"] = {1, 0.5};
-  const Mesh mesh = import_ok(tet);
+  const Mesh mesh = import_at_rest(tet);
   EXPECT_EQ(mesh.positions, (std::vector<Vec3f>{{0, 0, 0}, {3, 0, 0}, {0, 1, 0}, {0, 0, 3}}));
   EXPECT_DOUBLE_EQ(signed_volume(mesh), 1.5) << "3 x 1 x 3 / 6";
   EXPECT_THAT(mesh.remarks.notes, ElementsAre(HasSubstr("default weights")));
@@ -48,7 +48,7 @@ TEST(GltfMorph, WeightsOfANodeReplaceThoseOfTheMesh) {
   tet.json["nodes"] = {
       {{"mesh", 0}, {"weights", {0, 0.25}}}, {{"mesh", 0}}, {{"mesh", 0}, {"weights", {0, 0}}}};
   tet.json["scenes"][0]["nodes"] = {0, 1, 2};
-  const Mesh mesh = import_ok(tet);
+  const Mesh mesh = import_at_rest(tet);
   ASSERT_EQ(mesh.positions.size(), 12u);
   EXPECT_EQ(mesh.positions[1], (Vec3f{2, 0, 0}));
   EXPECT_EQ(mesh.positions[3], (Vec3f{0, 0, 1}));
@@ -64,7 +64,7 @@ TEST(GltfMorph, WithoutWeightsTheShapeKeepsItsBits) {
   Tetrahedron tet = with_targets();
   for (const bool zeros : {false, true}) {
     if (zeros) tet.json["meshes"][0]["weights"] = {0, 0};
-    const Mesh mesh = import_ok(tet);
+    const Mesh mesh = import_at_rest(tet);
     EXPECT_EQ(std::memcmp(mesh.positions.data(), tet.binary.data(), 48), 0);
     EXPECT_THAT(mesh.remarks.notes, IsEmpty());
   }
@@ -79,7 +79,7 @@ TEST(GltfMorph, NormalsAndTangentsMoveAndStayUnit) {
   tet.primitive()["targets"] = {{{"NORMAL", vectors(tet, {0, 3, 3, 0, 0, 0, 0, 0, 0, 0, 0, 0})},
                                  {"TANGENT", vectors(tet, {-1, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0})}}};
   tet.json["meshes"][0]["weights"] = nlohmann::json::array({1});
-  const Mesh mesh = import_ok(tet);
+  const Mesh mesh = import_at_rest(tet);
   EXPECT_FLOAT_EQ(mesh.attributes.normals[0].y, 0.6f) << "(0, 3, 4) / 5";
   EXPECT_FLOAT_EQ(mesh.attributes.normals[0].z, 0.8f);
   EXPECT_EQ(mesh.attributes.normals[1], (Vec3f{0, 0, 1}));
@@ -98,7 +98,7 @@ TEST(GltfMorph, TargetsMoveBeforeTheSkin) {
   tet.node()["skin"] = 0;
   tet.json["nodes"].push_back({{"scale", {2, 2, 2}}});
   tet.json["scenes"][0]["nodes"] = {0, 1};
-  EXPECT_EQ(import_ok(tet).positions[3], (Vec3f{0, 0, 6})) << "(1 + 2) * 2";
+  EXPECT_EQ(import_at_rest(tet).positions[3], (Vec3f{0, 0, 6})) << "(1 + 2) * 2";
 }
 
 TEST(GltfMorph, PrimitivesThatShareVerticesMayMoveApart) {
@@ -107,7 +107,7 @@ TEST(GltfMorph, PrimitivesThatShareVerticesMayMoveApart) {
   primitives.push_back(primitives[0]);
   primitives[1].erase("targets");
   tet.json["meshes"][0]["weights"] = {1, 0};
-  const Mesh mesh = import_ok(tet);
+  const Mesh mesh = import_at_rest(tet);
   ASSERT_EQ(mesh.positions.size(), 8u);
   EXPECT_EQ(mesh.positions[3], (Vec3f{0, 0, 3}));
   EXPECT_EQ(mesh.positions[7], (Vec3f{0, 0, 1}));
@@ -117,7 +117,7 @@ TEST(GltfMorph, ATargetOfAnotherLengthIsNotAppliedWithAWarning) {
   Tetrahedron tet;
   tet.primitive()["targets"] = {{{"POSITION", vectors(tet, {0, 0, 9})}}};
   tet.json["meshes"][0]["weights"] = nlohmann::json::array({1});
-  const Mesh mesh = import_ok(tet);
+  const Mesh mesh = import_at_rest(tet);
   EXPECT_EQ(mesh.positions[3], (Vec3f{0, 0, 1}));
   EXPECT_THAT(mesh.remarks.warnings, ElementsAre(HasSubstr("not applied")));
   EXPECT_THAT(mesh.remarks.notes, IsEmpty());
@@ -146,7 +146,7 @@ Tetrahedron compressed(const char* extension) {
 
 TEST(GltfMeshopt, BothNamesOfTheCompressionAreRead) {
   for (const char* extension : {"EXT_meshopt_compression", "KHR_meshopt_compression"}) {
-    const Mesh mesh = import_ok(compressed(extension));
+    const Mesh mesh = import_at_rest(compressed(extension));
     EXPECT_EQ(mesh.positions, (std::vector<Vec3f>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}})) << extension;
     EXPECT_THAT(mesh.dropped, IsEmpty());
   }

@@ -23,8 +23,8 @@ constexpr const char* kCubeObj =
     "o box\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n"
     "f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
 /// The corners of a tetrahedron of volume 1/6.
-const std::string kCorners = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n";
-const std::string kTetrahedron = kCorners + "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+const std::string kFourVertices = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n";
+const std::string kTetrahedron = kFourVertices + "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
 
 Mesh read(std::string_view text, std::span<const ImportFile> files = {}) {
   Expected<Mesh> mesh = import_text(text, MeshFormat::kObj, {}, files);
@@ -33,7 +33,7 @@ Mesh read(std::string_view text, std::span<const ImportFile> files = {}) {
 }
 
 /// The corners of the triangles, three each.
-std::vector<Vec3f> corners_of(const Mesh& mesh) {
+std::vector<Vec3f> all_corners_of(const Mesh& mesh) {
   std::vector<Vec3f> corners;
   for (const auto& t : mesh.triangles)
     for (const std::uint32_t wedge : t) corners.push_back(mesh.positions[wedge]);
@@ -83,7 +83,7 @@ TEST(ObjImport, SeamsSplitWedgesButNotPositions) {
 }
 
 TEST(ObjImport, ValuesThatAreRepeatedUnderOtherNumbersShareWedges) {
-  const Mesh mesh = read(kCorners + kCorners + "f 1 3 2\nf 5 6 4\nf 1 8 7\nf 2 3 8\n");
+  const Mesh mesh = read(kFourVertices + kFourVertices + "f 1 3 2\nf 5 6 4\nf 1 8 7\nf 2 3 8\n");
   EXPECT_EQ(mesh.positions.size(), 4u);
   EXPECT_DOUBLE_EQ(signed_volume(mesh), 1.0 / 6);
 }
@@ -93,7 +93,7 @@ TEST(ObjImport, EveryFormOfACornerIsRead) {
   for (const char* face :
        {"f 1/1/1 2/1/1 3/1/1\n", "f 1/1/+1 2/-1/-1 -1/1/1 # a comment\n", "\tf  1/1/1\t2/1/1   3/1/1  \n"}) {
     const Mesh mesh = read(values + face);
-    EXPECT_THAT(corners_of(mesh), ElementsAre(Vec3f{0, 0, 0}, Vec3f{1, 0, 0}, Vec3f{0, 1, 0})) << face;
+    EXPECT_THAT(all_corners_of(mesh), ElementsAre(Vec3f{0, 0, 0}, Vec3f{1, 0, 0}, Vec3f{0, 1, 0})) << face;
     ASSERT_EQ(mesh.attributes.uvs.size(), 1u) << face;
     for (const Vec2f& uv : mesh.attributes.uvs[0]) EXPECT_EQ(uv, (Vec2f{0.5f, 0.75f})) << face;
     for (const Vec3f& n : mesh.attributes.normals) EXPECT_EQ(n, (Vec3f{0, 0, 1})) << face;
@@ -109,12 +109,12 @@ TEST(ObjImport, EveryFormOfACornerIsRead) {
 
 TEST(ObjImport, NegativeNumbersCountBackFromTheirLine) {
   const Mesh mesh = read("v 0 0 0\nv 1 0 0\nv 0 1 0\nf -3 -2 -1\nv 0 0 5\nf -3 -2 -1\n");
-  EXPECT_THAT(corners_of(mesh), ElementsAre(Vec3f{0, 0, 0}, Vec3f{1, 0, 0}, Vec3f{0, 1, 0}, Vec3f{1, 0, 0},
-                                            Vec3f{0, 1, 0}, Vec3f{0, 0, 5}));
+  EXPECT_THAT(all_corners_of(mesh), ElementsAre(Vec3f{0, 0, 0}, Vec3f{1, 0, 0}, Vec3f{0, 1, 0},
+                                                Vec3f{1, 0, 0}, Vec3f{0, 1, 0}, Vec3f{0, 0, 5}));
 }
 
 TEST(ObjImport, FacesMayUseVerticesThatFollow) {
-  EXPECT_DOUBLE_EQ(signed_volume(read("f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n" + kCorners)), 1.0 / 6);
+  EXPECT_DOUBLE_EQ(signed_volume(read("f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n" + kFourVertices)), 1.0 / 6);
 }
 
 TEST(ObjImport, LinesMayEndInAnyWay) {
@@ -137,7 +137,7 @@ TEST(ObjImport, LinesMayEndInAnyWay) {
 }
 
 TEST(ObjImport, ABackslashJoinsLinesExceptAfterAComment) {
-  EXPECT_EQ(read("# C:\\temp\\\n" + kCorners + "f 1 \\\n 3 \\\r\n 2\nf 1 2 4\\\n\nf 1 4 3\nf 2 3 4\n")
+  EXPECT_EQ(read("# C:\\temp\\\n" + kFourVertices + "f 1 \\\n 3 \\\r\n 2\nf 1 2 4\\\n\nf 1 4 3\nf 2 3 4\n")
                 .triangles.size(),
             4u);
 }
@@ -146,10 +146,11 @@ TEST(ObjImport, PositionsAreTheNearestFloats) {
   // Three of these are close to the middle between two floats: 1 + 2^-24 (below, above) and 2^24 + 1 (exactly, so to even).
   const Mesh mesh = read(
       "v 0.1 -0.3 1e-2\nv +1.00000005960464466 1.00000005960464489 16777217\nv 1E3 .5 5.\nv 1e-400 -0 1.5e-45\nf 1 2 3\nf 1 2 4\n");
-  EXPECT_THAT(corners_of(mesh), ElementsAre(Vec3f{0.1f, -0.3f, 0.01f}, Vec3f{1, 0x1.000002p0f, 16777216},
-                                            Vec3f{1000, 0.5f, 5}, Vec3f{0.1f, -0.3f, 0.01f},
-                                            Vec3f{1, 0x1.000002p0f, 16777216}, Vec3f{0, -0.0f, 0x1p-149f}));
-  EXPECT_EQ(std::bit_cast<std::uint32_t>(corners_of(mesh)[5].y), 0x80000000u);
+  EXPECT_THAT(
+      all_corners_of(mesh),
+      ElementsAre(Vec3f{0.1f, -0.3f, 0.01f}, Vec3f{1, 0x1.000002p0f, 16777216}, Vec3f{1000, 0.5f, 5},
+                  Vec3f{0.1f, -0.3f, 0.01f}, Vec3f{1, 0x1.000002p0f, 16777216}, Vec3f{0, -0.0f, 0x1p-149f}));
+  EXPECT_EQ(std::bit_cast<std::uint32_t>(all_corners_of(mesh)[5].y), 0x80000000u);
 }
 
 TEST(ObjImport, FarPositionsAreReadRelativeToAnOffset) {
@@ -158,13 +159,13 @@ TEST(ObjImport, FarPositionsAreReadRelativeToAnOffset) {
       "v 500000.25 30.125 4649776.5\nv 500001.25 30.125 4649776.5\nv 500000.25 31.125 4649776.5\n"
       "v 500000.25 30.125 4649777.5\nv 0 0 0\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
   EXPECT_EQ(far.frame.offset, (Vec3d{500000, 30, 4649778}));
-  EXPECT_EQ(corners_of(far)[0], (Vec3f{0.25f, 0.125f, -1.5f}));
+  EXPECT_EQ(all_corners_of(far)[0], (Vec3f{0.25f, 0.125f, -1.5f}));
   EXPECT_DOUBLE_EQ(signed_volume(far), 1.0 / 6);
   EXPECT_EQ(read(kTetrahedron).frame.offset, Vec3d{});
 }
 
 TEST(ObjImport, AFourthNumberDividesTheOthers) {
-  EXPECT_THAT(corners_of(read("v 2 4 6 2\nv 1 0 0 1\nv 0 1 0\nf 1 2 3\n")),
+  EXPECT_THAT(all_corners_of(read("v 2 4 6 2\nv 1 0 0 1\nv 0 1 0\nf 1 2 3\n")),
               ElementsAre(Vec3f{1, 2, 3}, Vec3f{1, 0, 0}, Vec3f{0, 1, 0}));
 }
 
@@ -179,13 +180,13 @@ TEST(ObjImport, ColoursFollowThePosition) {
 
 TEST(ObjImport, ObjectsAndGroupsAreNodes) {
   const std::string face = "f 1 2 3\n";
-  EXPECT_THAT(nodes_of(read(kCorners + face + "o The Lid\n" + face + "o empty\ng a b\n" + face + "g a b\n" +
-                            face + "g\n" + face)),
+  EXPECT_THAT(nodes_of(read(kFourVertices + face + "o The Lid\n" + face + "o empty\ng a b\n" + face +
+                            "g a b\n" + face + "g\n" + face)),
               ElementsAre("mesh", "The Lid", "a b", "a b", "mesh"));
-  const Mesh again = read(kCorners + "o a\nf 1 2 3\no b\nf 1 2 4\no a\nf 2 3 4\ng b\nf 1 3 4\n");
+  const Mesh again = read(kFourVertices + "o a\nf 1 2 3\no b\nf 1 2 4\no a\nf 2 3 4\ng b\nf 1 3 4\n");
   EXPECT_THAT(nodes_of(again), ElementsAre("a", "a", "b", "b"));
   EXPECT_THAT(again.node_names, ElementsAre("a", "b", "b")) << "o continues an object, and g begins one";
-  EXPECT_EQ(corners_of(again)[3], (Vec3f{1, 0, 0})) << "the third face is the second one of a";
+  EXPECT_EQ(all_corners_of(again)[3], (Vec3f{1, 0, 0})) << "the third face is the second one of a";
 }
 
 TEST(ObjImport, FiftyThousandNamedObjectsAreFiftyThousandNodes) {
@@ -226,7 +227,7 @@ TEST(ObjImport, Utf16WithByteOrderMarkIsRead) {
 
 TEST(ObjImport, FacesHaveTheMaterialThatIsInUse) {
   const Mesh mesh = read(
-      kCorners +
+      kFourVertices +
       "f 1 3 2\nusemtl red\nf 1 2 4\nusemtl blue paint \no b\nf 1 4 3\nusemtl\nf 1 2 3\nusemtl red\nf 2 3 4\n");
   EXPECT_THAT(materials_of(mesh), ElementsAre("", "red", "blue paint", "blue paint", "red"));
   EXPECT_THAT(mesh.remarks.warnings, IsEmpty()) << "the file names no library, so none is missing";
@@ -247,7 +248,7 @@ TEST(ObjImport, ElementsWithoutASurfaceAreListed) {
 }
 
 TEST(ObjImport, WrongNumbersOfTextureCoordinatesAreAWarning) {
-  const Mesh mesh = read(kCorners + "vt 0 0\nf 1/1 2/1 3/7\nf 1/1 2/9 3/1\nf 1 2 4\n");
+  const Mesh mesh = read(kFourVertices + "vt 0 0\nf 1/1 2/1 3/7\nf 1/1 2/9 3/1\nf 1 2 4\n");
   EXPECT_EQ(mesh.triangles.size(), 3u);
   EXPECT_THAT(mesh.remarks.warnings,
               ElementsAre(HasSubstr("2 corners use a texture coordinate that the OBJ does not contain: "

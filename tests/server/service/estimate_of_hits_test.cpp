@@ -16,7 +16,7 @@
 namespace fracture::test {
 namespace {
 
-struct Case {
+struct HitCase {
   const char* name;
   Mesh mesh;
   std::uint32_t sites;  ///< of the pattern; 0: the rest stays whole
@@ -24,7 +24,7 @@ struct Case {
   double rough = 0;
 };
 
-RequestParameters asked_for(const Case& c) {
+RequestParameters asked_for(const HitCase& c) {
   RequestParameters asked;
   asked.fracture.sites = c.sites > 0 ? c.sites : 5000;
   asked.fracture.rest = c.sites > 0 ? LocalRest::kFractured : LocalRest::kWhole;
@@ -33,13 +33,13 @@ RequestParameters asked_for(const Case& c) {
   return asked;
 }
 
-bool near(double expected, double made, double factor) {
+bool near_within(double expected, double made, double factor) {
   return expected <= factor * made && made <= factor * expected;
 }
 
 TEST(EstimateOfHits, CountsWhatHitsMake) {
   const LocalImpact on_top{{0, 0.5, 0}, 0.2, 30};
-  const std::vector<Case> cases{
+  const std::vector<HitCase> cases{
       {"cube, whole", cube(4), 0, {{{0, 0.5, 0}, 0.1, 20}}},
       {"cube, few fragments", cube(4), 10, {on_top}},
       {"cube", cube(4), 60, {on_top}},
@@ -50,7 +50,7 @@ TEST(EstimateOfHits, CountsWhatHitsMake) {
       {"sphere", sphere_with(5000), 300, {{{1, 0, 0}, 0.3, 30}}},
       {"plate", thin_plate(0.04, 8), 60, {{{0, 0, 0.02}, 0.2, 30}}},
   };
-  for (const Case& c : cases) {
+  for (const HitCase& c : cases) {
     SCOPED_TRACE(c.name);
     const Solid solid = solid_of(c.mesh);
     RequestParameters asked = asked_for(c);
@@ -72,9 +72,9 @@ TEST(EstimateOfHits, CountsWhatHitsMake) {
       std::printf("%s | fragments %.0f/%.0f | triangles %.0f/%.0f | bytes %.0f/%.0f\n", c.name,
                   expected.fragments, fragments, expected.triangles, triangles, expected.working_bytes,
                   bytes);
-    EXPECT_TRUE(near(expected.fragments, fragments, 2)) << expected.fragments << " of " << fragments;
-    EXPECT_TRUE(near(expected.triangles, triangles, 2.5)) << expected.triangles << " of " << triangles;
-    EXPECT_TRUE(near(expected.working_bytes, bytes, 2.5)) << expected.working_bytes << " of " << bytes;
+    EXPECT_TRUE(near_within(expected.fragments, fragments, 2)) << expected.fragments << " of " << fragments;
+    EXPECT_TRUE(near_within(expected.triangles, triangles, 2.5)) << expected.triangles << " of " << triangles;
+    EXPECT_TRUE(near_within(expected.working_bytes, bytes, 2.5)) << expected.working_bytes << " of " << bytes;
   }
 }
 
