@@ -6,8 +6,15 @@
 namespace fracture {
 namespace {
 
+/// A file can cause as many different sentences as it has names. Each one is compared with all before it.
+constexpr std::size_t kMostSentences = 1000;
+
 void add_once(std::string sentence, std::vector<std::string>& list) {
-  if (std::find(list.begin(), list.end(), sentence) == list.end()) list.push_back(std::move(sentence));
+  if (list.size() > kMostSentences) return;  // the last sentence says so
+  if (std::find(list.begin(), list.end(), sentence) != list.end()) return;
+  if (list.size() == kMostSentences)
+    sentence = "There are more sentences than these 1,000, which are not listed.";
+  list.push_back(std::move(sentence));
 }
 
 }  // namespace

@@ -3,6 +3,8 @@
 #include <zlib.h>
 #include <zstd.h>
 
+#include <algorithm>
+#include <cstdint>
 #include <limits>
 #include <memory>
 #include <string>
@@ -48,12 +50,15 @@ Expected<std::vector<std::byte>> inflate_stream(std::span<const std::byte> bytes
   std::vector<std::byte> out;
   int result = Z_OK;
   while (result == Z_OK && out.size() <= max_bytes) {
-    const std::size_t before = out.size();
-    out.resize(before + kBlock);
+    // Archives can have very many small files, so no block is larger than the rest, and a byte that shows an excess.
+    const std::size_t before = out.size(),
+                      block =
+                          static_cast<std::size_t>(std::min<std::uint64_t>(kBlock, max_bytes - before)) + 1;
+    out.resize(before + block);
     stream.next_out = reinterpret_cast<Bytef*>(out.data() + before);
-    stream.avail_out = kBlock;
+    stream.avail_out = static_cast<uInt>(block);
     result = ::inflate(&stream, Z_NO_FLUSH);
-    out.resize(before + kBlock - stream.avail_out);
+    out.resize(before + block - stream.avail_out);
   }
   if (out.size() > max_bytes) return too_large(max_bytes);
   if (result != Z_STREAM_END) return damaged(out.size());

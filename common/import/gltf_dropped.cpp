@@ -7,7 +7,8 @@
 #include <limits>
 #include <map>
 #include <optional>
-#include <string_view>
+#include <set>
+#include <string>
 #include <utility>
 
 #include "common/import/gltf_extensions.hpp"
@@ -89,15 +90,13 @@ void add_extras(const json& object, const std::string& name, std::vector<Dropped
     dropped.push_back({"extras", name, "only the extras of nodes, materials and textures are kept"});
 }
 
-/// Returns whether fragments keep the attribute or the importer applies it. Sets are read up to the first missing one.
-bool is_read(const std::string& name, const json& attributes) {
-  if (name == "POSITION" || name == "NORMAL" || name == "TANGENT") return true;
-  for (const std::string_view kind : {"TEXCOORD_", "COLOR_", "JOINTS_", "WEIGHTS_"}) {
-    if (!name.starts_with(kind)) continue;
-    for (std::size_t k = 0; attributes.contains(std::string(kind) + std::to_string(k)); ++k)
-      if (name == std::string(kind) + std::to_string(k)) return true;
-  }
-  return false;
+/// Returns the attributes that fragments keep or the importer applies. Sets are read up to the first missing one.
+std::set<std::string> names_read(const json& attributes) {
+  std::set<std::string> names{"POSITION", "NORMAL", "TANGENT"};
+  for (const char* kind : {"TEXCOORD_", "COLOR_", "JOINTS_", "WEIGHTS_"})
+    for (std::size_t k = 0; attributes.contains(kind + std::to_string(k)); ++k)
+      names.insert(kind + std::to_string(k));
+  return names;
 }
 
 void add_primitive(const json& primitive, const std::string& mesh, std::vector<Dropped>& dropped) {
@@ -106,8 +105,9 @@ void add_primitive(const json& primitive, const std::string& mesh, std::vector<D
   if (mode < 4) dropped.push_back({mode == 0 ? "points" : "lines", mesh, "only triangles are fractured"});
   const auto attributes = primitive.is_object() ? primitive.find("attributes") : primitive.end();
   if (mode < 4 || attributes == primitive.end() || !attributes->is_object()) return;
+  const std::set<std::string> read = names_read(*attributes);
   for (const auto& [name, unused] : attributes->items())
-    if (!is_read(name, *attributes))
+    if (!read.contains(name))
       dropped.push_back({"attribute", name + " of " + mesh,
                          "fragments have only positions, normals, tangents, UVs and colours"});
   if (!list_in(primitive, "targets").empty())

@@ -26,7 +26,6 @@ namespace {
 
 /// Decoded once per mesh. Primitives with the same attribute accessors share wedges.
 struct RawSurface {
-  std::map<std::string, int> accessors;
   std::vector<MorphTarget> targets;
   std::vector<double> positions, normals, tangents;
   std::vector<std::vector<double>> uvs;
@@ -44,16 +43,22 @@ class MeshReader {
   /// `node`: the one that shows the mesh, because it may have morph weights of its own.
   std::vector<RawSurface> read(const tinygltf::Mesh& mesh, const tinygltf::Node& node) const {
     std::vector<RawSurface> surfaces;
+    std::map<std::map<std::string, int>, std::vector<std::size_t>> by_accessors;  // indices of surfaces
     for (const tinygltf::Primitive& primitive : mesh.primitives) {
       if (primitive.mode < TINYGLTF_MODE_TRIANGLES || primitive.mode > TINYGLTF_MODE_TRIANGLE_FAN)
         continue;  // points and lines
       if (primitive.attributes.count("POSITION") == 0)
         continue;  // according to the specification, such a primitive is not drawn
       const std::vector<MorphTarget> targets = active_targets(primitive, mesh, node);
-      auto it = std::find_if(surfaces.begin(), surfaces.end(), [&](const RawSurface& surface) {
-        return surface.accessors == primitive.attributes && surface.targets == targets;
-      });
-      if (it == surfaces.end()) it = surfaces.insert(surfaces.end(), read_attributes(primitive, targets));
+      std::vector<std::size_t>& alike = by_accessors[primitive.attributes];
+      const auto same = std::find_if(alike.begin(), alike.end(),
+                                     [&](std::size_t k) { return surfaces[k].targets == targets; });
+      const std::size_t which = same == alike.end() ? surfaces.size() : *same;
+      if (which == surfaces.size()) {
+        surfaces.push_back(read_attributes(primitive, targets));
+        alike.push_back(which);
+      }
+      RawSurface* const it = &surfaces[which];
       std::vector<std::uint32_t> indices;
       const std::size_t vertices = it->positions.size() / 3;
       if (primitive.indices >= 0) {
@@ -82,7 +87,6 @@ class MeshReader {
   RawSurface read_attributes(const tinygltf::Primitive& primitive,
                              const std::vector<MorphTarget>& targets) const {
     RawSurface raw;
-    raw.accessors = primitive.attributes;
     raw.targets = targets;
     raw.positions = read_accessor(model_, primitive.attributes.at("POSITION"), 3);
     const std::size_t count = raw.positions.size() / 3;

@@ -125,7 +125,7 @@ GltfScene walk_gltf_scene(const tinygltf::Model& model, const Vec3d& center) {
 std::vector<Transform> gltf_instances(const tinygltf::Model& model, const tinygltf::Node& node,
                                       std::uint64_t max_instances) {
   const auto extension = node.extensions.find("EXT_mesh_gpu_instancing");
-  if (extension == node.extensions.end()) return {Transform{}};
+  if (extension == node.extensions.end() || !extension->second.IsObject()) return {Transform{}};
   const tinygltf::Value& attributes = extension->second.Get("attributes");
   const auto read = [&](const char* name, int width) -> std::vector<double> {
     if (!attributes.IsObject() || !attributes.Has(name) || !attributes.Get(name).IsInt()) return {};

@@ -1,9 +1,12 @@
 #include "common/import/gltf_offset.hpp"
 
 #include <cmath>
+#include <cstddef>
 #include <map>
+#include <string>
 #include <vector>
 
+#include "common/base/words.hpp"
 #include "common/import/file_positions.hpp"
 #include "common/import/gltf_accessor.hpp"
 #include "common/import/gltf_skin.hpp"
@@ -67,19 +70,33 @@ class MeshBoxes {
 }  // namespace
 
 Vec3d gltf_offset(const tinygltf::Model& model, const GltfScene& scene, std::uint64_t max_instances) {
+  constexpr std::size_t kMostMoved = 10'000'000;  // boxes; many nodes can name the same long list
   MeshBoxes boxes(model);
+  std::map<int, std::vector<Transform>> joints_of;  // by the skin
+  std::size_t moved = 0;
+  const auto count = [&](std::size_t more, const char* what) {
+    moved += more;
+    if (moved > kMostMoved)
+      refuse(ErrorCode::kTooLarge, "The nodes of the glTF have more than " + grouped(kMostMoved) + " " +
+                                       what +
+                                       " in total. Reduce the scene, or divide it into several files.");
+  };
   Box all;
   for (const int index : scene.order) {
     const tinygltf::Node& node = model.nodes[static_cast<std::size_t>(index)];
     if (node.mesh < 0) continue;
     const Box& box = boxes.of(node.mesh);
     if (node.skin >= 0) {
-      for (const Transform& joint : joint_matrices(model, scene, at(model.skins, node.skin, "skin"), {}))
-        add_moved(box, joint, all);
+      const auto [joints, fresh] = joints_of.try_emplace(node.skin);
+      if (fresh) joints->second = joint_matrices(model, scene, at(model.skins, node.skin, "skin"), {});
+      count(joints->second.size(), "joints");
+      for (const Transform& joint : joints->second) add_moved(box, joint, all);
       continue;
     }
     const Transform& world = *scene.world[static_cast<std::size_t>(index)];
-    for (const Transform& instance : gltf_instances(model, node, max_instances))
+    const std::vector<Transform> instances = gltf_instances(model, node, max_instances);
+    count(instances.size(), "instances");
+    for (const Transform& instance : instances)
       add_moved(box, instance == Transform{} ? world : world * instance, all);
   }
   return offset_for(all);

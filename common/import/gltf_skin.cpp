@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "common/base/words.hpp"
 #include "common/import/gltf_accessor.hpp"
 #include "common/import/refused.hpp"
 
@@ -63,10 +64,10 @@ Transform Skinning::blend(const std::vector<std::vector<double>>& joints,
     for (std::size_t k = 0; k < 4; ++k) {
       const double weight = weights[set][4 * vertex + k], joint = joints[set][4 * vertex + k];
       if (!(weight > 0)) continue;
-      if (!(joint < static_cast<double>(joints_.size())))
-        refuse(ErrorCode::kMalformedMesh,
-               "A vertex refers to joint " + std::to_string(static_cast<std::uint64_t>(joint)) +
-                   "; the skin has only " + std::to_string(joints_.size()) + " joints.");
+      if (!(joint >= 0 && joint < static_cast<double>(joints_.size())))  // may be a float in the file
+        refuse(ErrorCode::kMalformedMesh, "A vertex refers to joint " + short_number(joint) +
+                                              "; the skin has only " + std::to_string(joints_.size()) +
+                                              " joints, counted from 0.");
       const Transform& m = joints_[static_cast<std::size_t>(joint)];
       sum = {sum.x + weight * m.x, sum.y + weight * m.y, sum.z + weight * m.z, sum.t + weight * m.t};
       total += weight;

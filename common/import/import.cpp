@@ -1,10 +1,13 @@
 #include "common/import/import.hpp"
 
+#include <cstddef>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "common/base/json_reader.hpp"
 #include "common/import/assimp_import.hpp"
 #include "common/import/complete_attributes.hpp"
 #include "common/import/decompress.hpp"
@@ -16,6 +19,7 @@
 #include "common/import/stl_import.hpp"
 #include "common/import/text_encoding.hpp"
 #include "common/import/threemf_import.hpp"
+#include "common/mesh/material_library.hpp"
 #include "common/surface_color/surface_colors.hpp"
 
 namespace fracture {
@@ -104,6 +108,19 @@ void state_frame(Mesh& mesh, FormatFrame frame) {
   mesh.frame.metres_stated = frame == FormatFrame::kMetresYUp;
 }
 
+/// Refuses materials that the server would not accept from the process that reads the file. Readers of formats in which
+/// materials are numerous have limits of their own, which are lower.
+Expected<void> limit_materials(const MaterialLibrary& library) {
+  constexpr std::size_t kMost = kMaxLibraryBytes / 2 * 3;
+  for (const nlohmann::json* list : {&library.materials, &library.textures, &library.samplers})
+    if (json_bytes(*list) > kMost)
+      return fail(ErrorCode::kTooLarge,
+                  "The materials take more than " + std::to_string(kMost) +
+                      " bytes in memory, which is the limit. Merge materials that look the same.",
+                  {}, {{"limit", kMost}});
+  return {};
+}
+
 }  // namespace
 
 Expected<Mesh> import_mesh(std::span<const std::byte> bytes, MeshFormat format, const ImportLimits& limits,
@@ -118,6 +135,7 @@ Expected<Mesh> import_mesh(std::span<const std::byte> bytes, MeshFormat format, 
     return tl::unexpected<Error>(checked.error());
   Expected<Mesh> mesh = read(*plain, limits, files);
   if (!mesh) return mesh;
+  if (auto limited = limit_materials(*mesh->library); !limited) return tl::unexpected<Error>(limited.error());
   state_frame(*mesh, format_info(plain->format).frame);
   for (auto* list : {&mesh->remarks.warnings, &mesh->remarks.notes})
     for (std::string& sentence :

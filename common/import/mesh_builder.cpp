@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "common/base/gathered.hpp"
+#include "common/base/printable.hpp"
 #include "common/base/words.hpp"
 #include "common/mesh/material_library.hpp"
 
@@ -61,6 +62,7 @@ void MeshBuilder::begin_node(std::string name, std::uint32_t group, const MeshIn
 
 void MeshBuilder::set_extras(std::string members) {
   if (members.empty()) return;
+  bytes_ += members.size();  // each instance of a node has a copy; add() checks the sum
   mesh_.node_extras.resize(mesh_.node_names.size());
   mesh_.node_extras.back() = std::move(members);
 }
@@ -80,6 +82,12 @@ Expected<void> MeshBuilder::add(Surface surface) {
                     " triangles that are allowed.",
                 {}, {{"limit", limits_.max_triangles}});
   const Attributes& a = surface.attributes;
+  if (a.uvs.size() > kMostAttributeSets || a.colors.size() > kMostAttributeSets)
+    return fail(ErrorCode::kTooLarge,
+                "A surface of \"" + shortened(mesh_.node_names.back()) + "\" has more than " +
+                    std::to_string(kMostAttributeSets) +
+                    " sets of texture coordinates or colours, which is the limit. Export it with fewer.",
+                {}, {{"limit", kMostAttributeSets}});
   bytes_ += surface.triangles.size() * 20 +
             count * (12 + (a.normals.empty() ? 0 : 12) + (a.tangents.empty() ? 0 : 16) + 8 * a.uvs.size() +
                      16 * a.colors.size());

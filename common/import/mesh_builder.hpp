@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -22,6 +23,9 @@ struct Surface {
   std::vector<std::array<std::uint32_t, 3>> triangles;
   std::vector<std::uint32_t> materials;  ///< per triangle
 };
+
+/// Maximum number of sets of UVs, and of colours. Readers of glTF support far fewer.
+inline constexpr std::size_t kMostAttributeSets = 64;
 
 class MeshBuilder {
  public:

@@ -22,12 +22,13 @@ std::uint64_t pixels_of_png(std::string_view png) {
   return side(16) * side(20);
 }
 
-/// ITU-T T.81, B.1 and B.2.2: skip segments up to the frame header.
-std::uint64_t pixels_of_jpeg(std::string_view jpeg) {
+/// ITU-T T.81, B.1 and B.2.2: skip segments up to the frame header. `steps`: number of segments that may still be skipped in
+/// the whole file. Other data can look like a head at each sixth byte, each with many segments.
+std::uint64_t pixels_of_jpeg(std::string_view jpeg, std::uint64_t& steps) {
   if (!jpeg.starts_with("\xff\xd8\xff")) return 0;
   constexpr int kMostSegments = 1000;
   std::size_t at = 2;
-  for (int segment = 0; segment < kMostSegments && at + 9 <= jpeg.size(); ++segment) {
+  for (int segment = 0; segment < kMostSegments && steps > 0 && at + 9 <= jpeg.size(); ++segment, --steps) {
     if (byte_at(jpeg, at) != 0xff) return 0;
     const std::uint64_t marker = byte_at(jpeg, at + 1);
     const bool frame = marker >= 0xc0 && marker <= 0xcf && marker != 0xc4 && marker != 0xc8 && marker != 0xcc;
@@ -50,7 +51,10 @@ std::uint64_t largest(std::string_view bytes, char first, const PixelsOf& pixels
 
 std::uint64_t largest_picture(std::span<const std::byte> bytes) {
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  return std::max(largest(text, '\x89', pixels_of_png), largest(text, '\xff', pixels_of_jpeg));
+  constexpr std::uint64_t kMostSteps = 1'000'000;
+  std::uint64_t steps = kMostSteps;
+  const auto of_jpeg = [&steps](std::string_view jpeg) { return pixels_of_jpeg(jpeg, steps); };
+  return std::max(largest(text, '\x89', pixels_of_png), largest(text, '\xff', of_jpeg));
 }
 
 }  // namespace fracture

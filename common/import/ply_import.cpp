@@ -77,7 +77,7 @@ class PlyReader {
 
   void read() {
     for (const PlyElement& element : header_.elements)
-      if (element.name == "vertex") vertices_ = element.count;
+      if (element.name == "vertex" && !element.properties.empty()) vertices_ = element.count;
     for (const PlyElement& element : header_.elements) {
       if (element.properties.empty() || element.count == 0) continue;
       if (element.name == "vertex")

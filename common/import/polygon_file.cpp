@@ -20,6 +20,14 @@ using CornerTriangle = std::array<std::uint32_t, 3>;
 /// Longer names are cut. A file can contain a line of any length.
 constexpr std::size_t kLongestPartName = 1000;
 
+/// The beginning of a long name. Characters of UTF-8 stay whole, because other text would be taken for Latin-1.
+std::string_view cut(std::string_view name) {
+  if (name.size() <= kLongestPartName) return name;
+  std::size_t end = kLongestPartName;
+  while (end > 0 && (static_cast<unsigned char>(name[end]) & 0xc0) == 0x80) --end;
+  return name.substr(0, end);
+}
+
 [[noreturn]] void refuse_triangles(std::uint64_t count, const ImportLimits& limits) {
   refuse(ErrorCode::kTooLarge,
          "The file has at least " + std::to_string(count) + " faces; the limit is " +
@@ -119,7 +127,7 @@ void add_parts(const PolygonFile& file, const DividedFaces& divided, const std::
   std::size_t vertex = 0, triangle = 0;
   for (std::size_t k = 0; k < file.parts.size(); ++k) {
     const PolygonFile::Part& part = file.parts[k];
-    const std::string name = name_as_utf8(std::string_view(part.name).substr(0, kLongestPartName));
+    const std::string name = name_as_utf8(cut(part.name));
     builder.begin_node(name.empty() ? "mesh" : name);
     if (triangle != divided.part_end[k]) {
       const bool own_uvs = !file.corner_uvs.empty();

@@ -6,6 +6,8 @@
 #include <fstream>
 #include <iterator>
 #include <optional>
+#include <set>
+#include <string>
 #include <utility>
 
 #include "common/import/gltf_entries.hpp"
@@ -26,15 +28,16 @@ class Names {
     std::replace(name.begin(), name.end(), '\\', '/');
     while (!name.empty() && (name.back() == ' ' || name.back() == '\r' || name.back() == '\t'))
       name.pop_back();
-    while (!name.empty() && (name.front() == ' ' || name.front() == '\t')) name.erase(0, 1);
+    name.erase(0, std::min(name.size(), name.find_first_not_of(" \t")));
     if (name.substr(0, 2) == "./") name.erase(0, 2);
     if (name.empty() || is_data_uri(name) || name.find("://") != std::string::npos) return;
-    if (std::find(list_.begin(), list_.end(), name) == list_.end()) list_.push_back(std::move(name));
+    if (known_.insert(name).second) list_.push_back(std::move(name));
   }
   std::vector<std::string> take() { return std::move(list_); }
 
  private:
   std::vector<std::string> list_;
+  std::set<std::string> known_;
 };
 
 void add_gltf(std::string_view bytes, Names& names) {

@@ -13,6 +13,8 @@
 #include <utility>
 #include <vector>
 
+#include "common/base/id.hpp"
+#include "common/base/json_reader.hpp"
 #include "common/base/printable.hpp"
 #include "common/base/words.hpp"
 #include "common/import/gltf_materials.hpp"
@@ -38,6 +40,8 @@ using threemf::Object;
 constexpr int kMaxDepth = 64;
 /// Instances of objects, including empty ones.
 constexpr std::uint64_t kMaxInstances = 1'000'000;
+/// Vertices and triangles of all instances, including those that are left out.
+constexpr std::uint64_t kMaxVisited = 200'000'000;
 
 template <class T>
 T or_throw(Expected<T> result) {
@@ -153,7 +157,16 @@ class Materials {
  public:
   Materials(const Package& package, Remarks& remarks) : package_(package), remarks_(remarks) {}
 
+  /// `material`: must live as long as this object.
   std::uint32_t slot(const threemf::Material& material) {
+    const auto [known, fresh] = known_.try_emplace(&material, kNoIndex);
+    if (fresh) known->second = slot_by_content(material);
+    return known->second;
+  }
+  MaterialLibrary take() { return std::move(library_); }
+
+ private:
+  std::uint32_t slot_by_content(const threemf::Material& material) {
     const std::string key = material.name + '\n' + material.color + '\n' + material.texture;
     if (const auto known = slots_.find(key); known != slots_.end()) return known->second;
     json pbr = {{"metallicFactor", 0}};
@@ -167,12 +180,17 @@ class Materials {
       if (const std::uint32_t texture = texture_of(material.texture); texture != kNoIndex)
         pbr["baseColorTexture"] = {{"index", texture}};
     made["pbrMetallicRoughness"] = std::move(pbr);
+    held_ += json_bytes(made);
+    if (held_ > kMaxLibraryBytes)
+      refuse(ErrorCode::kTooLarge,
+             "The materials and colours of the 3MF package take more than " +
+                 std::to_string(kMaxLibraryBytes) +
+                 " bytes in memory, which is the limit. Export the file with fewer colours.",
+             {}, {{"limit", kMaxLibraryBytes}});
     library_.materials.push_back(std::move(made));
     return slots_[key] = static_cast<std::uint32_t>(library_.materials.size() - 1);
   }
-  MaterialLibrary take() { return std::move(library_); }
 
- private:
   /// Linear red, green, blue and alpha of "#RRGGBB" or "#RRGGBBAA", to six digits.
   static std::optional<std::array<double, 4>> linear(const std::string& color) {
     if ((color.size() != 7 && color.size() != 9) || color[0] != '#') return std::nullopt;
@@ -189,6 +207,12 @@ class Materials {
   }
 
   std::uint32_t texture_of(const std::string& path) {
+    const auto [known, fresh] = textures_.try_emplace(lower_case(path), kNoIndex);
+    if (fresh) known->second = read_texture(path);
+    return known->second;
+  }
+
+  std::uint32_t read_texture(const std::string& path) {
     Image image;
     if (package_.has(path)) {
       const std::vector<std::byte> bytes = package_.read(path);
@@ -215,7 +239,11 @@ class Materials {
   const Package& package_;
   Remarks& remarks_;
   MaterialLibrary library_;
-  std::map<std::string, std::uint32_t> slots_;
+  std::map<std::string, std::uint32_t> slots_;  ///< by content
+  std::map<const threemf::Material*, std::uint32_t>
+      known_;                                      ///< only searched, because addresses have no order
+  std::map<std::string, std::uint32_t> textures_;  ///< by path, in lower case
+  std::size_t held_ = 0;                           ///< bytes of the materials
 };
 
 class Importer3mf {
@@ -226,6 +254,7 @@ class Importer3mf {
   Mesh read() {
     const std::string path = root_path(package_);
     if (package_.has(kPrusa)) read_prusa(package_.read_text(kPrusa), modifiers_);
+    for (auto& [id, ranges] : modifiers_.triangles) std::sort(ranges.begin(), ranges.end());
     if (package_.has(kBambu)) read_bambu(package_.read_text(kBambu), modifiers_);
     const ModelPart& root = part(path);
     if (root.build.empty())
@@ -284,6 +313,14 @@ class Importer3mf {
 
   void add_mesh(const ModelPart& of, const Object& object, std::uint32_t id, const Transform& world,
                 std::uint32_t group) {
+    static const std::vector<std::array<std::uint32_t, 2>> kNoRanges;
+    const auto modifier = modifiers_.triangles.find(id);
+    const std::vector<std::array<std::uint32_t, 2>>& ranges =
+        modifier == modifiers_.triangles.end() ? kNoRanges : std::as_const(modifier->second);
+    visited_ += object.vertices.size() + object.triangles.size() + ranges.size();
+    if (visited_ > kMaxVisited)
+      refuse(ErrorCode::kTooLarge, "The instances in the 3MF package have more than " + grouped(kMaxVisited) +
+                                       " vertices and triangles. Reduce the number of copies.");
     Surface surface;
     const bool identity = world == Transform{}, mirrored = world.determinant() < 0;
     const bool has_uvs = !object.uvs.empty();
@@ -295,10 +332,6 @@ class Importer3mf {
       for (std::uint32_t v = 0; v < object.vertices.size(); ++v) surface.positions.push_back(place(v));
     else
       surface.attributes.uvs.emplace_back();
-    std::vector<std::array<std::uint32_t, 2>> ranges;
-    if (const auto modifier = modifiers_.triangles.find(id); modifier != modifiers_.triangles.end())
-      ranges = modifier->second;
-    std::sort(ranges.begin(), ranges.end());
     std::size_t next = 0, left_out_until = 0;
     for (std::size_t t = 0; t < object.triangles.size(); ++t) {
       for (; next < ranges.size() && ranges[next][0] <= t; ++next)
@@ -343,7 +376,7 @@ class Importer3mf {
   Materials materials_;
   Modifiers modifiers_;
   std::map<std::string, std::unique_ptr<const ModelPart>> parts_;
-  std::uint64_t instances_ = 0, left_out_ = 0, blended_ = 0, unread_ = 0;
+  std::uint64_t instances_ = 0, visited_ = 0, left_out_ = 0, blended_ = 0, unread_ = 0;
 };
 
 }  // namespace

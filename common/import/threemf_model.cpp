@@ -51,6 +51,16 @@ std::string decoded(std::string_view raw) {
   return name_as_utf8(text);
 }
 
+/// Shortens a name, because each instance of an object has a copy of it. Characters of UTF-8 stay whole.
+std::string cut(std::string name) {
+  constexpr std::size_t kLongest = 1000;
+  if (name.size() <= kLongest) return name;
+  std::size_t end = kLongest;
+  while (end > 0 && (static_cast<unsigned char>(name[end]) & 0xc0) == 0x80) --end;
+  name.resize(end);
+  return name;
+}
+
 class Reader {
  public:
   Reader(std::string_view text, const std::string& path) : text_(text), path_(path) {}
@@ -81,7 +91,7 @@ class Reader {
     if (name == "object") {
       object_ = &part_.objects[id_of(tag)];
       *object_ = {};
-      object_->name = text_of(tag, "name");
+      object_->name = cut(text_of(tag, "name"));
       object_->type = text_of(tag, "type");
       group_of_object_ = whole(tag, "pid");
       index_of_object_ = whole(tag, "pindex").value_or(0);
@@ -111,14 +121,17 @@ class Reader {
       if (found == kUnits.end()) wrong("the unit '" + shortened(printable(unit)) + "' does not exist");
       part_.metres = found->second;
     }
-    std::string required = text_of(tag, "requiredextensions");
+    std::map<std::string_view, std::string_view> namespaces;  // by their prefixes
+    xml::for_attributes(tag, [&](std::string_view name, std::string_view value) {
+      constexpr std::string_view kDeclaration = "xmlns:";
+      if (name.starts_with(kDeclaration)) namespaces[name.substr(kDeclaration.size())] = value;
+    });
+    const std::string required = text_of(tag, "requiredextensions");
     for (std::string_view rest = required; !(rest = trimmed(rest)).empty();) {
       const std::string_view prefix = rest.substr(0, rest.find_first_of(" \t\r\n"));
       rest.remove_prefix(prefix.size());
-      std::string meant(prefix);
-      xml::for_attributes(tag, [&](std::string_view name, std::string_view value) {
-        if (name == "xmlns:" + std::string(prefix)) meant = decoded(value);
-      });
+      const auto known = namespaces.find(prefix);
+      const std::string meant = known != namespaces.end() ? decoded(known->second) : std::string(prefix);
       if (std::find(kSupported.begin(), kSupported.end(), meant) == kSupported.end())
         refuse(ErrorCode::kUnsupportedFeature,
                "The 3MF part \"" + shortened(printable(path_)) + "\" requires the extension " +

@@ -232,7 +232,11 @@ Mesh read_mesh(ByteReader& in, const ImportLimits& limits) {
   mesh.triangle_color = in.array<SurfaceColor>();
   mesh.node_names = read_texts(in);
   mesh.node_extras = read_texts(in);
-  for (const std::string& extras : mesh.node_extras) check_extras(extras, limits);
+  const std::string* before = nullptr;
+  for (const std::string& extras : mesh.node_extras) {  // the instances of a node have the same ones
+    if (before == nullptr || extras != *before) check_extras(extras, limits);
+    before = &extras;
+  }
   mesh.empty_nodes.resize(in.length(2 * sizeof(std::uint64_t) + 4 * sizeof(Vec3d)));
   for (EmptyNode& node : mesh.empty_nodes) read_empty_node(in, limits, node);
   mesh.groups.resize(in.length(sizeof(std::uint64_t) + sizeof(std::uint32_t)));

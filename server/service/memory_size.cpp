@@ -33,9 +33,12 @@ std::size_t memory_size(const Mesh& mesh) {
     bytes += entry.what.capacity() + entry.name.capacity() + entry.reason.capacity();
   for (const EmptyNode& node : mesh.empty_nodes) bytes += node.name.capacity() + node.extras.capacity();
   for (const NodeGroup& group : mesh.groups) bytes += group.name.capacity();
-  for (const GivenHull& hull : mesh.given_hulls)
-    bytes +=
-        sizeof hull + hull.name.capacity() + heap(*hull.owners) + heap(hull.points) + heap(hull.triangles);
+  const void* before = nullptr;
+  for (const GivenHull& hull : mesh.given_hulls) {
+    bytes += sizeof hull + hull.name.capacity() + heap(hull.points) + heap(hull.triangles);
+    if (hull.owners.get() != before) bytes += heap(*hull.owners);  // the hulls of an object share the list
+    before = hull.owners.get();
+  }
   // Both meshes share the library, so it is counted twice. That does no harm.
   if (mesh.passed_through) bytes += memory_size(*mesh.passed_through);
   return bytes;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <string>
 
 #include "common/base/remarks.hpp"
 
@@ -53,6 +54,15 @@ TEST(Remarks, ASentenceIsOnceInItsListInTheOrderOfFirstAppearance) {
   remarks.add({{"a", "d"}, {"c", "e"}});
   EXPECT_EQ(remarks, (Remarks{{"b", "a", "d"}, {"c", "e"}}));
   EXPECT_FALSE(remarks.empty());
+}
+
+// Each sentence is compared with all others, and files can cause as many as they have names.
+TEST(Remarks, ListsAreLimited) {
+  Remarks remarks;
+  for (int k = 0; k < 1200; ++k) remarks.warn(std::to_string(k));
+  ASSERT_EQ(remarks.warnings.size(), 1001u);
+  EXPECT_EQ(remarks.warnings[999], "999");
+  EXPECT_NE(remarks.warnings[1000].find("not listed"), std::string::npos);
 }
 
 }  // namespace

@@ -427,5 +427,39 @@ TEST(GltfImport, SkinInBindPoseLeavesTheMeshAlone) {
   EXPECT_THAT(mesh.remarks.notes, ::testing::ElementsAre(HasSubstr("not the bind pose")));
 }
 
+// Joints may be floats in a damaged file, so they can be negative.
+TEST(GltfImport, JointsThatTheSkinLacksAreRefused) {
+  for (const float joint : {-1.0f, 2.0f, 1e30f}) {
+    Tetrahedron tet;
+    std::string joints, weights;
+    for (int vertex = 0; vertex < 4; ++vertex) {
+      put<float>(joints, {joint, 0, 0, 0});
+      put<float>(weights, {1, 0, 0, 0});
+    }
+    auto& attributes = tet.primitive()["attributes"];
+    attributes["JOINTS_0"] = tet.add_accessor(joints, 5126, 4, "VEC4");
+    attributes["WEIGHTS_0"] = tet.add_accessor(weights, 5126, 4, "VEC4");
+    tet.json["skins"] = {{{"joints", {1, 2}}}};
+    tet.json["nodes"] = {
+        {{"mesh", 0}, {"skin", 0}}, {{"translation", {1, 0, 0}}}, {{"translation", {0, 2, 0}}}};
+    tet.json["scenes"] = {{{"nodes", {0, 1, 2}}}};
+    const Error error = import_refused(tet);
+    EXPECT_EQ(error.code, ErrorCode::kMalformedMesh) << joint;
+    EXPECT_THAT(error.detail, HasSubstr("the skin has only 2 joints")) << joint;
+  }
+}
+
+TEST(GltfImport, SetsOfTextureCoordinatesAreLimited) {
+  Tetrahedron tet;
+  std::string uvs;
+  put<float>(uvs, {0, 0, 1, 0, 0, 1, 1, 1});
+  const std::size_t accessor = tet.add_accessor(uvs, 5126, 4, "VEC2");
+  auto& attributes = tet.primitive()["attributes"];
+  for (int set = 0; set < 64; ++set) attributes["TEXCOORD_" + std::to_string(set)] = accessor;
+  EXPECT_EQ(import_ok(tet).attributes.uvs.size(), 64u);
+  attributes["TEXCOORD_64"] = accessor;
+  EXPECT_EQ(import_refused(tet).code, ErrorCode::kTooLarge);
+}
+
 }  // namespace
 }  // namespace fracture::test

@@ -22,6 +22,13 @@ TEST(PictureHeads, TheLargestCountsWhereverItStands) {
   EXPECT_EQ(largest("\xff\xff" + kJpeg), 100u * 300);
 }
 
+// Each of these is followed by all others as its segments.
+TEST(PictureHeads, AMillionFalseHeadsTakeLinearTime) {
+  std::string bytes;
+  for (int k = 0; k < 1'000'000; ++k) bytes += "\xff\xd8\xff\0\0\4"s;
+  EXPECT_EQ(largest(bytes), 0u);
+}
+
 TEST(PictureHeads, WithoutAHeadThereIsNone) {
   EXPECT_EQ(largest(""), 0u);
   EXPECT_EQ(largest("v 0 0 0\n"), 0u);

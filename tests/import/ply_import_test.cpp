@@ -65,6 +65,15 @@ TEST(PlyImport, ReadsColoursAndQuads) {
   EXPECT_THAT(mesh.dropped, IsEmpty());
 }
 
+// Its count says nothing about the file, because such vertices have no bytes.
+TEST(PlyImport, AVertexElementWithoutPropertiesHasNoVertices) {
+  const Error error = must_refuse("ply\nformat ascii 1.0\nelement vertex 1000000000\nelement face 1\n" +
+                                      kPlyList + "end_header\n3 0 1 2\n",
+                                  MeshFormat::kPly);
+  EXPECT_EQ(error.code, ErrorCode::kMalformedMesh);
+  EXPECT_THAT(error.detail, HasSubstr("names vertex 0; the file has 0 vertices"));
+}
+
 TEST(PlyImport, DataMayBeginWithALineEnd) {
   // A line feed or carriage return as the lowest byte of the first coordinate changes it by 1e-44.
   for (const char byte : {'\n', '\r', '\0'})

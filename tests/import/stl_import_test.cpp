@@ -46,6 +46,12 @@ std::string stl_binary(std::string header, const std::vector<std::uint16_t>& att
   return header;
 }
 
+TEST(StlImport, LongNamesAreCutAtACharacter) {
+  const std::string name(999, 'a');
+  const Mesh mesh = must_import(stl_text(" " + name + "\xc3\xa4z"), MeshFormat::kStl);
+  EXPECT_THAT(mesh.node_names, ElementsAre(name));
+}
+
 TEST(StlImport, AsciiAndBinarySayTheSame) {
   const Mesh a = must_import(stl_text(" t"), MeshFormat::kStl);
   const Mesh b = must_import(stl_binary("made by hand"), MeshFormat::kStl);

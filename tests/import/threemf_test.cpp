@@ -295,6 +295,50 @@ TEST(ThreeMf, InstancesOfEmptyObjectsAreLimited) {
   EXPECT_EQ(mesh.error().code, ErrorCode::kTooLarge) << mesh.error().detail;
 }
 
+TEST(ThreeMf, VolumesThatAreLeftOutCountEachTime) {
+  std::string resources = "<object id=\"1\"><mesh>" + kVertices.substr(0, kVertices.size() - 11);
+  for (int k = 0; k < 3000; ++k) resources += "<vertex x=\"0\" y=\"0\" z=\"0\"/>";
+  resources += "</vertices>" + kTriangles + "</mesh></object>";
+  for (int k = 2; k < 8; ++k) {
+    resources += "<object id=\"" + std::to_string(k) + "\"><components>";
+    for (int i = 0; i < 10; ++i) resources += "<component objectid=\"" + std::to_string(k - 1) + "\"/>";
+    resources += "</components></object>";
+  }
+  const std::string config =
+      "<config><object id=\"1\"><volume firstid=\"0\" lastid=\"3\"><metadata type=\"volume\" key=\"modifier\" "
+      "value=\"1\"/></volume></object></config>";
+  const auto mesh = import_package({{"3D/3dmodel.model", model(resources, "<item objectid=\"7\"/>")},
+                                    {"Metadata/Slic3r_PE_model.config", config}});
+  ASSERT_FALSE(mesh);
+  EXPECT_EQ(mesh.error().code, ErrorCode::kTooLarge);
+  EXPECT_THAT(mesh.error().detail, HasSubstr("200,000,000 vertices and triangles"));
+}
+
+TEST(ThreeMf, LongNamesAreCutAtACharacter) {
+  const std::string name(999, 'a');
+  const auto mesh =
+      import_model(model("<object id=\"1\" name=\"" + name + "\xc3\xa4 and more\">" + kMesh + "</object>",
+                         "<item objectid=\"1\"/>"));
+  ASSERT_TRUE(mesh) << mesh.error().detail;
+  EXPECT_THAT(mesh->node_names, ElementsAre(name));
+}
+
+TEST(ThreeMf, ATextureUnderTwoSpellingsIsReadOnce) {
+  const std::string resources =
+      "<m:texture2d id=\"7\" path=\"/3D/a.png\"/><m:texture2d id=\"9\" path=\"/3D/A.PNG\"/>"
+      "<m:texture2dgroup id=\"8\" texid=\"7\"><m:tex2coord u=\"0\" v=\"0\"/></m:texture2dgroup>"
+      "<m:texture2dgroup id=\"10\" texid=\"9\"><m:tex2coord u=\"0\" v=\"0\"/></m:texture2dgroup>"
+      "<object id=\"1\"><mesh>" +
+      kVertices +
+      "<triangles><triangle v1=\"0\" v2=\"2\" v3=\"1\" pid=\"8\" p1=\"0\"/><triangle v1=\"0\" v2=\"1\" v3=\"3\" "
+      "pid=\"10\" p1=\"0\"/></triangles></mesh></object>";
+  const auto mesh = import_package(
+      {{"3D/3dmodel.model", model(resources, "<item objectid=\"1\"/>")}, {"3D/a.png", "\x89PNG\r\n\x1a\n"}});
+  ASSERT_TRUE(mesh) << mesh.error().detail;
+  EXPECT_EQ(mesh->library->materials.size(), 2u);
+  EXPECT_EQ(mesh->library->images.size(), 1u);
+}
+
 TEST(ZipArchive, DamageIsNoticed) {
   const std::string good = zip_of({{"a", "some text"}}, Zip::kZip64);
   const auto entries = read_zip_directory(bytes_of(good), 1000);
