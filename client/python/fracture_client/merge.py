@@ -7,7 +7,6 @@ hit changes some of these pieces but not all.
 from __future__ import annotations
 
 import copy
-import heapq
 import itertools
 from dataclasses import dataclass
 from typing import Any, Dict, List, Optional, Set, Tuple
@@ -95,22 +94,31 @@ def _pieces(whole: Glb, delta: Glb, figures: Json) -> List[_Piece]:
 
 
 def _in_order(before: List[_Piece], after: List[_Piece], changed: Set[int]) -> List[_Piece]:
-    """Merges two lists of fragments. Changed fragments are in both lists and keep their order; the fragments between two changed
-    ones are ordered by site and part."""
-    if [p.id for p in before if p.id in changed] != [p.id for p in after if p.id in changed]:
+    """Merges two lists of fragments. Both contain the changed ones, whose first site or part may be a later one than before."""
+    groups: Dict[Tuple[int, int], Tuple[List[_Piece], List[_Piece]]] = {}  # by first site and part
+    for number, pieces in enumerate((before, after)):
+        for piece in pieces:
+            place = (int((piece.own["sites"] or [-1])[0]), int(piece.own.get("part", 0)))
+            groups.setdefault(place, ([], []))[number].append(piece)
+    return [piece for place in sorted(groups) for piece in _in_cell(*groups[place], changed)]
+
+
+def _in_cell(before: List[_Piece], after: List[_Piece], changed: Set[int]) -> List[_Piece]:
+    """Merges the pieces of a cell. Changed pieces that are in both lists keep their order; between two of them, unchanged pieces come
+    before new ones."""
+    here = {piece.id for piece in after}
+    both = [piece.id for piece in before if piece.id in changed and piece.id in here]
+    if [piece.id for piece in after if piece.id in set(both)] != both:
         raise damaged("its changed fragments are not in the same order as in the answer that was hit")
+    old = iter([piece for piece in before if piece.id not in changed or piece.id in here])
+    new = iter(after)
     ordered: List[_Piece] = []
-    old, new = iter(before), iter(after)
-    for _ in range(len(changed) + 1):
-        stay = list(itertools.takewhile(lambda piece: piece.id not in changed, old))
-        come, last = [], None
+    for end in (*both, None):
+        ordered += itertools.takewhile(lambda piece: piece.id != end, old)  # without the changed piece itself
         for piece in new:
-            if piece.id in changed:
-                last = piece
+            ordered.append(piece)
+            if piece.id == end:
                 break
-            come.append(piece)
-        ordered += heapq.merge(stay, come, key=lambda piece: (piece.own["sites"][:1], piece.own.get("part", 0)))
-        ordered += [last] if last is not None else []
     return ordered
 
 

@@ -51,11 +51,9 @@ export function merge(before: Glb, changes: Glb): Uint8Array | undefined {
   // With interior_detail, a delta contains neither the texture maps of the cuts nor the tangents that they need.
   if (JSON.stringify(before.json.materials) !== JSON.stringify(changes.json.materials)) return undefined;
   const left = new Set([...now.delta.changed, ...now.delta.gone]);
-  const sources = [...sourcesOf(before).filter(({ figures }) => !left.has(figures['id'])), ...sourcesOf(changes)];
+  const sources = inOrder(sourcesOf(before), sourcesOf(changes), now.delta);
   const ids = new Set(sources.map(({ figures }) => figures['id']));
   if (sources.length !== now.certificate.fragments || ids.size !== sources.length) return undefined;
-  const order = (a: Source, b: Source) => a.figures['sites'][0] - b.figures['sites'][0] || a.figures['part'] - b.figures['part'];
-  sources.sort(order);  // stable: kept pieces stay before new ones of the same cell and part
   const figures = withWholeBonds(now, was, sources, left);
   return write(before, changes, figures, sources, bondsOfWhole(was.bonds, now.bonds, sources, left),
     pairsOfWhole(was.filtered, now.filtered, sources, left));
@@ -66,6 +64,36 @@ function sourcesOf(glb: Glb): Source[] {
     const figures = fractureOf(node);
     return figures?.['id'] === undefined ? [] : [{ glb, node, figures }];
   });
+}
+
+/** Returns all fragments by their first site, then by part. */
+function inOrder(before: Source[], after: Source[], { changed, gone }: NonNullable<Figures['delta']>): Source[] {
+  const left = new Set(gone), cells = new Map<string, { site: number; part: number; old: Source[]; fresh: Source[] }>();
+  const cellOf = ({ figures }: Source) => {
+    const site = figures['sites'][0] as number, part = figures['part'] as number, key = `${site} ${part}`;
+    if (!cells.has(key)) cells.set(key, { site, part, old: [], fresh: [] });
+    return cells.get(key)!;
+  };
+  for (const source of before) if (!left.has(source.figures['id'])) cellOf(source).old.push(source);
+  for (const source of after) cellOf(source).fresh.push(source);
+  const sorted = [...cells.values()].sort((a, b) => a.site - b.site || a.part - b.part), among = new Set(changed);
+  return sorted.flatMap(({ old, fresh }) => inCell(old, fresh, among));
+}
+
+/** Merges the pieces of a cell. Changed pieces keep their order; between two of them, unchanged pieces come before new ones. */
+function inCell(old: Source[], fresh: Source[], changed: ReadonlySet<number>): Source[] {
+  const idOf = ({ figures }: Source) => figures['id'] as number, here = new Set(fresh.map(idOf)), result: Source[] = [];
+  let next = 0;
+  for (const source of old) {
+    const id = idOf(source);
+    if (!changed.has(id)) result.push(source);
+    if (!changed.has(id) || !here.has(id)) continue;  // a piece that is not here has another part or first site now
+    for (let found = false; !found && next < fresh.length; ++next) {
+      result.push(fresh[next]!);
+      found = idOf(fresh[next]!) === id;
+    }
+  }
+  return [...result, ...fresh.slice(next)];
 }
 
 /** Returns the hull meshes of a fragment in the order of the nodes that refer to them, without duplicates. Its sheets are none. */
