@@ -201,6 +201,15 @@ class Hits(WithServer):
         self.assertEqual(after.delta.new + after.delta.changed + after.delta.gone, ())
         self.assertEqual({f.id: values(f) for f in after.fragments}, {f.id: values(f) for f in first.fragments})
 
+    def test_a_delta_without_fragments_has_no_nodes_of_meshes(self):
+        other = b"o right\nv 2 0 0\nv 3 0 0\nv 2 1 0\nv 2 0 1\nf 9 11 10\nf 9 10 12\nf 9 12 11\nf 10 11 12\n"
+        mesh = self.client.put(box_obj(extra="o left") + other, format="obj")
+        first = mesh.fracture(sites=20, nodes=[mesh.report["nodes"][0]])
+        miss = {"local_point": (50, 50, 50), "local_radius": 0.1, "delta": "only"}
+        document = mesh.fracture(miss, of=first.location)._file.document
+        self.assertNotIn("meshes", document)
+        self.assertEqual([node["name"] for node in document["nodes"]], ["Fracture"])
+
     def test_an_answer_that_the_server_has_forgotten_is_hit_by_its_parameters(self):
         mesh = self.client.put(box_obj(), format="obj")
         first = mesh.fracture(sites=20)
