@@ -261,13 +261,13 @@ class Parts(unittest.TestCase):
         self.assertEqual(same.document["nodes"][0]["extras"]["fracture"]["delta"], self.delta()["delta"])
 
     def test_fragments_are_ordered_by_their_first_site_and_part(self):
-        """A changed fragment may have lost its first site or part. Unchanged pieces of a cell come before new ones."""
+        """New pieces take the place of the piece that they come from. A changed fragment may have lost its first site or part."""
         def pieces(*places):
             return [_Piece(None, {}, {"id": id, "sites": [site], "part": part}) for id, site, part in places]
 
-        before = pieces((1, 3, 0), (2, 5, 0), (3, 5, 1), (4, 8, 0), (5, 8, 0), (6, 8, 0))
-        after = pieces((3, 5, 1), (1, 7, 0), (7, 8, 0), (5, 8, 0), (8, 8, 0))
-        self.assertEqual([piece.id for piece in _in_order(before, after, {1, 3, 5})], [2, 3, 1, 4, 7, 5, 6, 8])
+        before = pieces((1, 3, 0), (2, 5, 0), (3, 5, 1), (4, 8, 0), (5, 8, 0), (6, 8, 0), (9, 9, 0))
+        after = pieces((3, 5, 1), (7, 8, 0), (5, 8, 0), (8, 8, 0), (1, 9, 0))
+        self.assertEqual([piece.id for piece in _in_order(before, after, {1, 3, 5})], [2, 3, 4, 7, 5, 8, 6, 1, 9])
 
     def test_a_bond_that_leads_nowhere_is_refused(self):
         bond = {"a": [1], "b": [2], "area": [1], "centroid": [[0, 0, 0]], "normal": [[0, 0, 0]], "strength": [1]}
