@@ -15,13 +15,15 @@ namespace {
 std::string free_prefix(const Mesh& source, Pacer& pacer) {
   constexpr std::string_view kWord = "Cluster";
   std::set<std::string> taken;  // texts between that word and the first _ after it
-  for (const std::string& name : source.node_names) {
+  const auto look_at = [&](const std::string& name) {
     pacer.step(4);
     const std::string kept = kept_name(name);
-    if (!kept.starts_with(kWord)) continue;
+    if (!kept.starts_with(kWord)) return;
     if (const std::size_t end = kept.find('_', kWord.size()); end != std::string::npos)
       taken.insert(kept.substr(kWord.size(), end - kWord.size()));
-  }
+  };
+  for (const std::string& name : source.node_names) look_at(name);
+  for (const EmptyNode& node : source.empty_nodes) look_at(node.name);
   std::string number;
   for (std::size_t next = 2; taken.contains(number); ++next) number = std::to_string(next);
   return std::string(kWord) + number + "_";

@@ -29,6 +29,7 @@ IntactScene::IntactScene(const FracturedSolid& fractured, const GltfOptions& opt
   const std::size_t room = kMaxName - digits_ - std::string_view("__collider").size();
   UniqueNames names(layout, fractured.set.fragments.size(), execution);
   for (const WholeNode& node : whole) names.take(node.name);
+  for (const EmptyNode& node : fractured.set.source->empty_nodes) names.take(kept_name(node.name));
   root_name_ = names.add("Intact");
   const auto& sources = fractured.set.source->node_names;
   first_hull_.push_back(0);

@@ -81,7 +81,8 @@ void write_whole_node(JsonText& json, const std::string& name, std::size_t mesh,
 std::vector<WholeNode> whole_nodes(const FragmentSet& set, const SceneLayout& layout,
                                    const Execution& execution) {
   std::vector<WholeNode> nodes;
-  if (!set.source->passed_through && !set.whole_sheets) return nodes;
+  // An answer without fragments has no meshes (gltf_writer.cpp).
+  if (set.fragments.empty() || (!set.source->passed_through && !set.whole_sheets)) return nodes;
   UniqueNames names(layout, set.fragments.size(), execution);
   if (set.source->passed_through) {
     std::vector<std::uint32_t> all(set.source->passed_through->triangles.size());

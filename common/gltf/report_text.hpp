@@ -11,7 +11,7 @@ namespace fracture {
 
 /// Writes {anchors {fragments}, barycenter {dropped, dropped_volume, partition, skipped_hulls}, choices (if there are any;
 /// see choices_document()), contacts {…}, dropped (if anything is: a list of {name, reason, what}), fragment
-/// {id, volume}, frame {metres_per_unit, unit_from, up, up_from}, hulls {count, flat, simplified, excess},
+/// {id, volume}, frame {metres_per_unit, offset, unit_from, up, up_from}, hulls {count, flat, simplified, excess},
 /// instances {fragments, shapes}, keep {cells, share},
 /// levels [number of clusters in each, then of fragments], notes, passed_through {triangles}, rough_cuts
 /// {amplitude, amplitude_asked, calmed_vertices, crossing_triangles, edge_length, restrained_cells, triangles},

@@ -1,14 +1,13 @@
 """Merges an answer with the changes from a hit (`delta=only`) into a single answer with all fragments.
 
 The result has the same fragments, data and bonds as the server's answer to `delta=stated`. Fragments are ordered by their first
-site, then by their part of the mesh. The order differs from the server's only if a cell has several pieces in one part and the
-hit changes some of these pieces but not all.
+site, then by their part of the mesh. The order differs from the server's only if the hit cuts several pieces of one cell and part,
+and pieces between them stay.
 """
 from __future__ import annotations
 
 import copy
-import heapq
-import itertools
+import re
 from dataclasses import dataclass
 from typing import Any, Dict, List, Optional, Set, Tuple
 
@@ -27,6 +26,7 @@ class _Piece:
     node: Json
     own: Json  # its extras.fracture
     name: str = ""  # its name in the merged file
+    digits: int = 2  # of the numbers of hulls in names there
 
     @property
     def id(self) -> int:
@@ -90,27 +90,35 @@ def _pieces(whole: Glb, delta: Glb, figures: Json) -> List[_Piece]:
     if len(stay) + len(after) != figures["certificate"]["fragments"]:
         raise damaged(f"its certificate states {figures['certificate']['fragments']} fragments, but the merged answer has "
                       f"{len(stay) + len(after)}")
-    before = [piece for piece in before if piece.id not in gone]
-    return _in_order(before, after, changed)
+    return _in_order(before, after, changed | gone)
 
 
-def _in_order(before: List[_Piece], after: List[_Piece], changed: Set[int]) -> List[_Piece]:
-    """Merges two lists of fragments. Changed fragments are in both lists and keep their order; the fragments between two changed
-    ones are ordered by site and part."""
-    if [p.id for p in before if p.id in changed] != [p.id for p in after if p.id in changed]:
-        raise damaged("its changed fragments are not in the same order as in the answer that was hit")
-    ordered: List[_Piece] = []
-    old, new = iter(before), iter(after)
-    for _ in range(len(changed) + 1):
-        stay = list(itertools.takewhile(lambda piece: piece.id not in changed, old))
-        come, last = [], None
-        for piece in new:
-            if piece.id in changed:
-                last = piece
-                break
-            come.append(piece)
-        ordered += heapq.merge(stay, come, key=lambda piece: (piece.own["sites"][:1], piece.own.get("part", 0)))
-        ordered += [last] if last is not None else []
+def _in_order(before: List[_Piece], after: List[_Piece], cut: Set[int]) -> List[_Piece]:
+    """Merges two lists of fragments, by their first site and part. `before` contains the fragments that were cut, too."""
+    groups: Dict[Tuple[int, int], Tuple[List[_Piece], List[_Piece]]] = {}  # by first site and part
+    for number, pieces in enumerate((before, after)):
+        for piece in pieces:
+            place = (int((piece.own["sites"] or [-1])[0]), int(piece.own.get("part", 0)))
+            groups.setdefault(place, ([], []))[number].append(piece)
+    return [piece for place in sorted(groups) for piece in _in_cell(*groups[place], cut)]
+
+
+def _in_cell(before: List[_Piece], after: List[_Piece], cut: Set[int]) -> List[_Piece]:
+    """Merges the pieces of a cell. New pieces take the place of the piece that they come from; a changed piece keeps its id there."""
+    last = max((k for k, piece in enumerate(before) if piece.id in cut), default=-1)
+    here = {piece.id for piece in after}
+    new = iter(after)
+    ordered: List[_Piece] = list(new) if last < 0 else []  # pieces of an earlier cell, which lost its first site or part
+    for k, old in enumerate(before):
+        if old.id not in cut:
+            ordered.append(old)
+        elif k == last:
+            ordered += new
+        elif old.id in here:
+            for piece in new:
+                ordered.append(piece)
+                if piece.id == old.id:
+                    break
     return ordered
 
 
@@ -118,12 +126,14 @@ def _rename(pieces: List[_Piece]) -> None:
     """Names each fragment "<node of the mesh>_007". The number makes the name unique and has as many digits as the last one."""
     width = len(str(len(pieces) - 1))
     sheets = [sheet_meshes(piece.glb, piece.node) for piece in pieces]
-    has_hulls = any(mesh not in own for piece, own in zip(pieces, sheets) for mesh in _hull_meshes(piece))
+    most = max((len(_hull_meshes(piece)) for piece in pieces), default=0)
+    digits = max(2, len(str(most - 1)))  # of the numbers of hulls
     # The names of hulls, colliders and sheets need the rest.
-    room = MOST_NAME - (len("_00_collider") if has_hulls else len("_sheet") if any(sheets) else 0)
+    room = MOST_NAME - (digits + len("__collider") if most > 0 else len("_sheet") if any(sheets) else 0)
     for number, piece in enumerate(pieces):
         base = str(piece.node["name"]).rpartition("_")[0]
         piece.name = f"{_cut(base, room - 1 - width)}_{number:0{width}}"
+        piece.digits = digits
 
 
 def _cut(text: str, size: int) -> str:
@@ -182,10 +192,11 @@ def _write_scene(document: Json, whole: Glb, pieces: List[_Piece], figures: Json
     first_hull = len(meshes)
     hulls_of: Dict[int, List[int]] = {}  # by the id of a fragment: indices of its hulls
     for piece in (*alone, *shapes):
+        holder_name = str(piece.glb.item("meshes", piece.node["mesh"]).get("name", ""))  # another instance may have named the hulls
         for mesh in _hull_meshes(piece):
             hulls_of.setdefault(piece.id, []).append(len(meshes))
             copied = buffers.add_mesh(piece.glb, mesh)
-            meshes.append({**copied, "name": _renamed(copied.get("name", ""), piece)})
+            meshes.append({**copied, "name": _renamed(copied.get("name", ""), piece, holder_name)})
     hull_number: List[Dict[int, int]] = []  # for each piece: mesh index in its file -> index in the merged file
     for piece in pieces:
         holder = piece if piece.shape is None else first[piece.shape]
@@ -198,7 +209,7 @@ def _write_scene(document: Json, whole: Glb, pieces: List[_Piece], figures: Json
         for mesh in sheet_meshes(piece.glb, piece.node):
             sheet_number[-1][mesh] = len(meshes)
             copied = buffers.add_mesh(piece.glb, mesh)
-            meshes.append({**copied, "name": _renamed(copied.get("name", ""), piece)})
+            meshes.append({**copied, "name": _renamed(copied.get("name", ""), piece, str(piece.node["name"]))})
     numbers: Dict[Filter, int] = {}  # in the order of their first fragments
     filter_of = [None if each is None else numbers.setdefault(each, len(numbers)) for each in filters]
     nodes: List[Json] = [{}]
@@ -211,7 +222,7 @@ def _write_scene(document: Json, whole: Glb, pieces: List[_Piece], figures: Json
         for held in (node, *below):
             _refer(held, piece, {**hull_number[k], **sheet_number[k]}, filter_of[k], first_hull=first_hull)
         nodes.append(node)
-        children += [{**child, "name": _renamed(child.get("name", ""), piece)} for child in below]
+        children += [{**child, "name": _renamed(child.get("name", ""), piece, str(piece.node["name"]))} for child in below]
     nodes += children
     passing = []
     for kept in _passing_through(whole):
@@ -278,8 +289,10 @@ def _refer(node: Json, piece: _Piece, number: Dict[int, int], filter_number: Opt
         node["mesh"] = number[node["mesh"]]
 
 
-def _renamed(name: str, piece: _Piece) -> str:
-    return name.replace(str(piece.node["name"]), piece.name, 1)
+def _renamed(name: str, piece: _Piece, old: str) -> str:
+    """Returns the name of a hull, collider or sheet in the merged file. It contains `old`, the name of the fragment, and a number."""
+    begin, found, end = name.partition(old)
+    return begin + piece.name + re.sub(r"^_(\d+)", lambda number: f"_{int(number[1]):0{piece.digits}}", end) if found else name
 
 
 def _filtered(whole: Glb, figures: Json, pieces: List[_Piece]) -> List[Tuple[int, int]]:

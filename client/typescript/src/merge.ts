@@ -5,7 +5,7 @@
 //   changes      B' x y    ──>  changes     B' x y   ──>  names    renumbered in that order
 //   gone     e                                            bonds    between kept fragments from before, others from the changes
 //
-// If a cell has several pieces in one part, and some are kept while others are new, the files do not show the order of these pieces in
+// If the hit cuts several pieces of one cell and part, and pieces between them stay, the files do not show the order of these pieces in
 // the server's answer. Their numbers and names can then differ. Everything else is identical.
 import { type Glb, type Gltf, type GltfMesh, type GltfNode, packGlb, type Vector3 } from './glb.js';
 import { collisionFilters } from './filters.js';
@@ -33,13 +33,12 @@ function cut(text: string, size: number): string {
   return kept;
 }
 
-/** Returns the number of bytes for the name of a fragment. The names of its hulls, colliders and sheets, which are longer, have at most
- *  63 bytes. */
-function nameRoom(sources: Source[]): number {
-  const hasHulls = sources.some(({ glb, node }) => [node, ...(node.children ?? []).map(child => glb.json.nodes![child]!)].some(
-    ({ extensions, name }) => extensions?.[KHR]?.collider || extensions?.[OMI]?.collider || name?.startsWith('UCX_')));
-  if (hasHulls) return 63 - '_00_collider'.length;
-  return sources.some(({ glb, node }) => sheetNodeOf(glb, node) !== undefined) ? 63 - '_sheet'.length : 63;
+/** Returns the number of bytes for the name of a fragment, and the number of digits for those of hulls. The names of its hulls, colliders
+ *  and sheets, which are longer, have at most 63 bytes. */
+function nameRoom(sources: Source[]): { room: number; digits: number } {
+  const most = sources.reduce((sum, source) => Math.max(sum, hullsOf(source).length), 0), digits = Math.max(2, String(most - 1).length);
+  const sheet = sources.some(({ glb, node }) => sheetNodeOf(glb, node) !== undefined) ? '_sheet'.length : 0;
+  return { room: 63 - (most > 0 ? digits + '__collider'.length : sheet), digits };
 }
 
 const fractureOf = (node: GltfNode): Record<string, any> | undefined => node.extras?.['fracture'];
@@ -51,11 +50,9 @@ export function merge(before: Glb, changes: Glb): Uint8Array | undefined {
   // With interior_detail, a delta contains neither the texture maps of the cuts nor the tangents that they need.
   if (JSON.stringify(before.json.materials) !== JSON.stringify(changes.json.materials)) return undefined;
   const left = new Set([...now.delta.changed, ...now.delta.gone]);
-  const sources = [...sourcesOf(before).filter(({ figures }) => !left.has(figures['id'])), ...sourcesOf(changes)];
+  const sources = inOrder(sourcesOf(before), sourcesOf(changes), left);
   const ids = new Set(sources.map(({ figures }) => figures['id']));
   if (sources.length !== now.certificate.fragments || ids.size !== sources.length) return undefined;
-  const order = (a: Source, b: Source) => a.figures['sites'][0] - b.figures['sites'][0] || a.figures['part'] - b.figures['part'];
-  sources.sort(order);  // stable: kept pieces stay before new ones of the same cell and part
   const figures = withWholeBonds(now, was, sources, left);
   return write(before, changes, figures, sources, bondsOfWhole(was.bonds, now.bonds, sources, left),
     pairsOfWhole(was.filtered, now.filtered, sources, left));
@@ -66,6 +63,38 @@ function sourcesOf(glb: Glb): Source[] {
     const figures = fractureOf(node);
     return figures?.['id'] === undefined ? [] : [{ glb, node, figures }];
   });
+}
+
+/** Returns all fragments by their first site, then by part. `cut`: ids of the fragments that changed or are gone. */
+function inOrder(before: Source[], after: Source[], cut: ReadonlySet<number>): Source[] {
+  const cells = new Map<string, { site: number; part: number; old: Source[]; fresh: Source[] }>();
+  const cellOf = ({ figures }: Source) => {
+    const site = figures['sites'][0] as number, part = figures['part'] as number, key = `${site} ${part}`;
+    if (!cells.has(key)) cells.set(key, { site, part, old: [], fresh: [] });
+    return cells.get(key)!;
+  };
+  for (const source of before) cellOf(source).old.push(source);
+  for (const source of after) cellOf(source).fresh.push(source);
+  return [...cells.values()].sort((a, b) => a.site - b.site || a.part - b.part).flatMap(({ old, fresh }) => inCell(old, fresh, cut));
+}
+
+/** Merges the pieces of a cell. New pieces take the place of the piece that they come from; a changed piece keeps its id there. */
+function inCell(old: Source[], fresh: Source[], cut: ReadonlySet<number>): Source[] {
+  const idOf = ({ figures }: Source) => figures['id'] as number, here = new Set(fresh.map(idOf)), result: Source[] = [];
+  const last = old.reduce((found, source, k) => (cut.has(idOf(source)) ? k : found), -1);
+  if (last < 0) return [...fresh, ...old];  // pieces of an earlier cell, which lost its first site or part
+  let next = 0;
+  old.forEach((source, k) => {
+    const id = idOf(source);
+    if (!cut.has(id)) result.push(source);
+    else if (k === last) result.push(...fresh.slice(next));
+    else if (here.has(id))
+      for (let found = false; !found && next < fresh.length; ++next) {
+        result.push(fresh[next]!);
+        found = idOf(fresh[next]!) === id;
+      }
+  });
+  return result;
 }
 
 /** Returns the hull meshes of a fragment in the order of the nodes that refer to them, without duplicates. Its sheets are none. */
@@ -134,7 +163,7 @@ function withPairs({ filtered: _, ...figures }: Figures, pairs: [number, number]
 }
 
 function write(before: Glb, changes: Glb, now: Figures, sources: Source[], bonds: BondColumns, pairs: [number, number][]): Uint8Array {
-  const width = String(sources.length - 1).length, room = nameRoom(sources) - 1 - width;
+  const width = String(sources.length - 1).length, names = nameRoom(sources), room = names.room - 1 - width;
   const nameOf = (name: string, k: number) => `${cut(name.replace(/_\d+$/, ''), room)}_${String(k).padStart(width, '0')}`;
   const copier = new MeshCopier(), numbers = new Map<string, number>(), listed: object[] = [];
   const filters = collisionFilters(sources.length, pairs).map(filter => {  // numbered in the order of their first fragments
@@ -157,7 +186,12 @@ function write(before: Glb, changes: Glb, now: Figures, sources: Source[], bonds
 
   sources.forEach((source, k) => {
     const { glb, node, figures } = source, shape = figures['shape'] as number | undefined;
-    const name = nameOf(node.name ?? '', k), rename = (text: string | undefined) => text?.replace(node.name ?? '', name);
+    const name = nameOf(node.name ?? '', k);
+    const rename = (text: string, from = node.name ?? ''): string => {  // of a hull, a collider or a sheet
+      const at = text.indexOf(from), number = (_: string, digits: string) => `_${String(Number(digits)).padStart(names.digits, '0')}`;
+      return at < 0 ? text : text.slice(0, at) + name + text.slice(at + from.length).replace(/^_(\d+)/, number);
+    };
+    const holder = glb.json.meshes![node.mesh!]!.name;  // the fragment or the instance that named the hulls
     const isFirst = shape !== undefined && !hullsOfShape.has(shape);
     if (isFirst) hullsOfShape.set(shape, new Map());
     const order = hullsOf(source);
@@ -168,7 +202,7 @@ function write(before: Glb, changes: Glb, now: Figures, sources: Source[], bonds
       const known = shape === undefined ? undefined : hullsOfShape.get(shape)!, number = order.indexOf(mesh);
       if (!known?.has(number)) {
         const original = glb.json.meshes![mesh]!;
-        hullMesh.set(mesh, first + list.push({ glb, mesh: { ...original, name: rename(original.name)! } }) - 1);
+        hullMesh.set(mesh, first + list.push({ glb, mesh: { ...original, name: rename(original.name ?? '', holder) } }) - 1);
         known?.set(number, hullMesh.get(mesh)!);
       } else {
         hullMesh.set(mesh, known.get(number)!);
@@ -192,7 +226,7 @@ function write(before: Glb, changes: Glb, now: Figures, sources: Source[], bonds
     };
     const adopt = (source: GltfNode, more: Partial<GltfNode>): GltfNode => {
       const { children: _, extensions, ...rest } = source;
-      return { ...rest, name: rename(source.name)!, ...(extensions ? { extensions: physics(extensions) } : {}), ...more };
+      return { ...rest, name: rename(source.name ?? ''), ...(extensions ? { extensions: physics(extensions) } : {}), ...more };
     };
     const own = adopt(node, { mesh: shape === undefined ? meshes.length : meshOfShape.get(shape)! }), sheet = sheetNodeOf(glb, node);
     if (node.children) own.children = node.children.map(index => {

@@ -15,7 +15,7 @@ import unittest
 from support import Client, FaultServer, WithServer, box_obj, caught, digest, answer as http_answer, figures, main, problem, \
     small_glb
 from fracture_client import Answer, glb
-from fracture_client.merge import merge
+from fracture_client.merge import _in_order, _Piece, merge
 
 OPENED = {"shell": 0}  # glass and pottery as solids: walls would give different answers, but not better tests
 
@@ -201,6 +201,15 @@ class Hits(WithServer):
         self.assertEqual(after.delta.new + after.delta.changed + after.delta.gone, ())
         self.assertEqual({f.id: values(f) for f in after.fragments}, {f.id: values(f) for f in first.fragments})
 
+    def test_a_delta_without_fragments_has_no_nodes_of_meshes(self):
+        other = b"o right\nv 2 0 0\nv 3 0 0\nv 2 1 0\nv 2 0 1\nf 9 11 10\nf 9 10 12\nf 9 12 11\nf 10 11 12\n"
+        mesh = self.client.put(box_obj(extra="o left") + other, format="obj")
+        first = mesh.fracture(sites=20, nodes=[mesh.report["nodes"][0]])
+        miss = {"local_point": (50, 50, 50), "local_radius": 0.1, "delta": "only"}
+        document = mesh.fracture(miss, of=first.location)._file.document
+        self.assertNotIn("meshes", document)
+        self.assertEqual([node["name"] for node in document["nodes"]], ["Fracture"])
+
     def test_an_answer_that_the_server_has_forgotten_is_hit_by_its_parameters(self):
         mesh = self.client.put(box_obj(), format="obj")
         first = mesh.fracture(sites=20)
@@ -250,6 +259,15 @@ class Parts(unittest.TestCase):
             self.assertEqual(caught(merge, whole, glb.Glb(small_glb(**said))).type, "damaged", said)
         same = glb.Glb(merge(whole, glb.Glb(small_glb(**self.delta()))))
         self.assertEqual(same.document["nodes"][0]["extras"]["fracture"]["delta"], self.delta()["delta"])
+
+    def test_fragments_are_ordered_by_their_first_site_and_part(self):
+        """New pieces take the place of the piece that they come from. A changed fragment may have lost its first site or part."""
+        def pieces(*places):
+            return [_Piece(None, {}, {"id": id, "sites": [site], "part": part}) for id, site, part in places]
+
+        before = pieces((1, 3, 0), (2, 5, 0), (3, 5, 1), (4, 8, 0), (5, 8, 0), (6, 8, 0), (9, 9, 0))
+        after = pieces((3, 5, 1), (7, 8, 0), (5, 8, 0), (8, 8, 0), (1, 9, 0))
+        self.assertEqual([piece.id for piece in _in_order(before, after, {1, 3, 5})], [2, 3, 4, 7, 5, 8, 6, 1, 9])
 
     def test_a_bond_that_leads_nowhere_is_refused(self):
         bond = {"a": [1], "b": [2], "area": [1], "centroid": [[0, 0, 0]], "normal": [[0, 0, 0]], "strength": [1]}

@@ -73,7 +73,8 @@ export function piecesAlone(source: Glb, ids: ReadonlySet<number>, names: Names)
     };
     return at;
   };
-  const root = nodes.push({ name: 'Fracture' }) - 1;
+  const translation = json.nodes?.find(node => node.extras?.['fracture']?.certificate)?.translation;  // of meshes far from their origin
+  const root = nodes.push({ name: 'Fracture', ...(translation ? { translation } : {}) }) - 1;
   nodes[root]!.children = chosen.map(add);
 
   const primitive = ({ attributes, indices, material, ...rest }: any): any => ({
