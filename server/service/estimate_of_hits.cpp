@@ -83,7 +83,9 @@ HitNumbers expected_of_hits(const FractureParameters& parameters, const Solid& s
     const LocalImpact& hit = parameters.hits[k];
     const Place place = place_of(hit, shape, stretch);
     double there = std::fmax(0, fragments - 1) * place.volume / shape.volume;  // pieces in the ball
-    for (std::size_t j = 0; j < k; ++j) there += added[j] * common_share(parameters.hits[j], hit);
+    double of_hits = 0;  // pieces of earlier hits in the ball
+    for (std::size_t j = 0; j < k; ++j) of_hits += added[j] * common_share(parameters.hits[j], hit);
+    there += of_hits;
     const double own = hit.sites;
     const double flatness = std::fmin(1, std::cbrt(place.volume / own) / shape.thickness());
     const auto between = [&](double solid_value, double prism) {
@@ -103,9 +105,12 @@ HitNumbers expected_of_hits(const FractureParameters& parameters, const Solid& s
     const double surface = 2 * crossings + 2 * kVerticesOnSection * widths;
     const double faces = own * between(kFacesPerCell, kFacesPerPrism);
     const double ragged = cells > 1 ? kRaggedness : 1;
-    const double flat_caps = ragged * (faces * between(kTrianglesPerFace, kTrianglesPerPrismFace) +
-                                       mixed * between(kTrianglesInOverlay, kTrianglesInPlaneOverlay)) +
-                             crossings;
+    // The faces that earlier hits made are cut on both sides.
+    const double cut_twice = there > 0 ? 1 + of_hits / there : 1;
+    const double flat_caps =
+        ragged * (faces * between(kTrianglesPerFace, kTrianglesPerPrismFace) +
+                  mixed * cut_twice * between(kTrianglesInOverlay, kTrianglesInPlaneOverlay)) +
+        crossings;
     double rough_caps = 0;
     if (rough.amplitude > 0) {  // only the hit's own cuts; the earlier ones are cut with their triangles
       const double area = ragged * longer * kFaceArea * std::cbrt(place.volume * place.volume * (1 + own));

@@ -33,18 +33,6 @@ test('collision filters exclude pairs, are not transitive, and twins share a sys
   assert.deepEqual(collisionFilters(5, [[0, 2], [0, 3], [0, 4], [1, 2], [1, 3], [1, 4]]), [named, named, lists, lists, lists]);
 });
 
-test('the node of an instance is turned and scaled', async () => {
-  const { turnOf } = await built('turn.js'), half = Math.SQRT1_2;
-  assert.equal(turnOf({ translation: [1, 2, 3] }), undefined);
-  // A quarter turn about y, after doubling: (x, y, z) -> (2 z, 2 y, -2 x).
-  const turn = turnOf({ rotation: [0, half, 0, half], scale: [2, 2, 2] });
-  close([...turn.attribute('POSITION', Float32Array.of(1, 0, 0, 0, 3, 5))], [0, 0, -2, 10, 6, 0], 1e-6, 'positions');
-  close([...turn.attribute('TANGENT', Float32Array.of(1, 0, 0, -1))], [0, 0, -1, -1], 1e-6, 'tangents');
-  const motion = turn.motion({ mass: 1, centerOfMass: [1, 0, 0], inertiaDiagonal: [1, 2, 3], inertiaOrientation: [half, 0, 0, half] });
-  close(motion.centerOfMass, [0, 0, -2], 1e-12, 'centre');
-  close(motion.inertiaOrientation, [0.5, 0.5, -0.5, 0.5], 1e-12, 'the turn about x comes first');
-});
-
 test('Retry-After is seconds within a day', () => {
   const of = value => retryAfter(new Headers(value === undefined ? {} : { 'Retry-After': value }));
   assert.deepEqual([of('2'), of(' 0 '), of('86400')], [2, 0, 86400]);
@@ -136,6 +124,18 @@ function numbers(seed) {
 }
 const close = (a, b, within, what) => a.forEach((value, k) => assert.ok(Math.abs(value - b[k]) <= within, `${what}: ${a} is not ${b}`));
 const unit = q => q.map(c => c / Math.hypot(...q));
+
+test('the node of an instance is turned and scaled', async () => {
+  const { turnOf } = await built('turn.js'), half = Math.SQRT1_2;
+  assert.equal(turnOf({ translation: [1, 2, 3] }), undefined);
+  // A quarter turn about y, after doubling: (x, y, z) -> (2 z, 2 y, -2 x).
+  const turn = turnOf({ rotation: [0, half, 0, half], scale: [2, 2, 2] });
+  close([...turn.attribute('POSITION', Float32Array.of(1, 0, 0, 0, 3, 5))], [0, 0, -2, 10, 6, 0], 1e-6, 'positions');
+  close([...turn.attribute('TANGENT', Float32Array.of(1, 0, 0, -1))], [0, 0, -1, -1], 1e-6, 'tangents');
+  const motion = turn.motion({ mass: 1, centerOfMass: [1, 0, 0], inertiaDiagonal: [1, 2, 3], inertiaOrientation: [half, 0, 0, half] });
+  close(motion.centerOfMass, [0, 0, -2], 1e-12, 'centre');
+  close(motion.inertiaOrientation, [0.5, 0.5, -0.5, 0.5], 1e-12, 'the turn about x comes first');
+});
 
 test('principal axes make the inertia again', () => {
   const random = numbers(7);

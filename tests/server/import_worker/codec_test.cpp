@@ -197,8 +197,8 @@ TEST(MeshCodec, TruncatedAndMutatedBytesAreRefusedOrKeepThePromises) {
 
 TEST(MeshCodec, LengthsThatCannotBeAreRefusedBeforeAnythingIsAllocated) {
   std::vector<std::byte> bytes = encode_reply(full_mesh());
-  // Magic number, kind, unit and three flags; then the number of positions.
-  const std::size_t at = 4 + 4 + 8 + 3;
+  // Magic number, kind, unit, three flags and the offset; then the number of positions.
+  const std::size_t at = 4 + 4 + 8 + 3 + 3 * 8;
   for (const std::uint64_t count : {std::uint64_t{1} << 40, ~std::uint64_t{0}, ~std::uint64_t{0} / 12 + 1}) {
     std::memcpy(&bytes[at], &count, sizeof count);
     EXPECT_THROW((void)decode_reply(bytes, {}), BadReply);
