@@ -253,11 +253,12 @@ void Dispatcher::begin(const Shared& c, int threads) {
                   [this, c](const Error& error) { end(c, tl::unexpected<Error>(error)); }))
     return;
   const Clock::time_point now = Clock::now();
-  // A computation that waited so long that it would miss its deadline is not begun. One that did not wait is tried.
-  const bool waited = now - c->submitted > std::chrono::milliseconds(10);
-  const auto run = std::chrono::duration_cast<Clock::duration>(
-      pool_.predicted_run(urgency.turn().name, waited ? c->cost : 0));
-  if ((now + run).time_since_epoch().count() > c->flight->common.latest_deadline) {
+  // A computation that would miss its deadline because it waited is not begun. If the prediction never fitted, it is tried: the
+  // first predictions for a client can be ten times too high.
+  const auto run =
+      std::chrono::duration_cast<Clock::duration>(pool_.predicted_run(urgency.turn().name, c->cost));
+  const Clock::time_point deadline{Clock::duration(c->flight->common.latest_deadline.load())};
+  if (now > deadline || (now + run > deadline && c->submitted + run <= deadline)) {
     ++expired_;
     return end(c, tl::unexpected<Error>(to_error(Interrupted{ErrorCode::kDeadlineExceeded})));
   }

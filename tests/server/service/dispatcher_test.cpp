@@ -169,6 +169,24 @@ TEST_F(DispatcherTest, WorkWhoseDeadlinePassedInTheQueueIsNotDone) {
   EXPECT_EQ(control->imports, 2) << "nothing of the late one was begun";
 }
 
+// The first prediction for a client can be far too high. A short wait must not make it a refusal.
+TEST_F(DispatcherTest, WorkThatWaitedIsTriedIfItsPredictionWouldNeverHaveFitted) {
+  Gate gate;
+  control->during_cut = gate.hook();
+  ask(fracture_request("a"));
+  ask(fracture_request("b"));
+  gate.wait_for(2);  // both threads are busy
+  Terms terms;
+  terms.deadline = steady_clock::now() + std::chrono::seconds(60);
+  ask(fracture_request("c"), terms);
+  for (int i = 0; i < 200; ++i) pool.measured("", 1, 1e7);
+  std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  gate.open = true;
+  dispatcher.wait_idle();
+  EXPECT_EQ(good, 3);
+  EXPECT_EQ(bad, 0);
+}
+
 TEST_F(DispatcherTest, WhatCannotBeInTimeIsRefusedAtOnceWithTheTimeToComeBack) {
   Gate gate;
   control->during_cut = gate.hook();
