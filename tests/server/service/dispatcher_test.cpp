@@ -180,7 +180,7 @@ TEST_F(DispatcherTest, WorkThatWaitedIsTriedIfItsPredictionWouldNeverHaveFitted)
   terms.deadline = steady_clock::now() + std::chrono::seconds(60);
   ask(fracture_request("c"), terms);
   for (int i = 0; i < 200; ++i) pool.measured("", 1, 1e7);
-  std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  std::this_thread::sleep_for(std::chrono::milliseconds(20));  // pause: so that the request has waited
   gate.open = true;
   dispatcher.wait_idle();
   EXPECT_EQ(good, 3);
