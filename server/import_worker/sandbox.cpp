@@ -50,8 +50,8 @@ int add_rules(scmp_filter_ctx filter) {
                          SCMP_SYS(sched_yield),   SCMP_SYS(restart_syscall), SCMP_SYS(rt_sigreturn),
                          SCMP_SYS(exit),          SCMP_SYS(exit_group)})
     if (const int error = seccomp_rule_add(filter, SCMP_ACT_ALLOW, call, 0); error != 0) return error;
-#ifdef FRACTURE_SANITIZED  // sanitizers use a pipe to check whether memory is readable
-  for (const int call : {SCMP_SYS(pipe), SCMP_SYS(pipe2)})
+#ifdef FRACTURE_SANITIZED  // sanitizers use a pipe to check whether memory is readable, and look for the signal stack at each throw
+  for (const int call : {SCMP_SYS(pipe), SCMP_SYS(pipe2), SCMP_SYS(sigaltstack)})
     if (const int error = seccomp_rule_add(filter, SCMP_ACT_ALLOW, call, 0); error != 0) return error;
 #endif
   for (const int call : {SCMP_SYS(mmap), SCMP_SYS(mprotect)})  // memory that is not executable
