@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cstddef>
 #include <span>
 
@@ -25,10 +26,14 @@ inline bool write_paced(int fd, std::span<const std::byte> bytes) {
     bytes = bytes.subspan(piece.size());
     if (piece.size() < kWritePieceBytes) break;  // the fsync at the end writes it
     const off_t end = ::lseek(fd, 0, SEEK_CUR);
-    // Not every file system has this call. Then the fsync at the end writes everything.
-    if (end >= 0)
-      ::sync_file_range(fd, end - static_cast<off_t>(piece.size()), static_cast<off_t>(piece.size()),
-                        SYNC_FILE_RANGE_WAIT_BEFORE | SYNC_FILE_RANGE_WRITE | SYNC_FILE_RANGE_WAIT_AFTER);
+    if (end < 0) continue;  // a pipe
+    const int failed =
+        ::sync_file_range(fd, end - static_cast<off_t>(piece.size()), static_cast<off_t>(piece.size()),
+                          SYNC_FILE_RANGE_WAIT_BEFORE | SYNC_FILE_RANGE_WRITE | SYNC_FILE_RANGE_WAIT_AFTER);
+    // The kernel reports a failed write only once, so the fsync at the end would miss it. If the file system does not have this
+    // call, the fsync writes everything.
+    if (failed != 0 && errno != ENOSYS && errno != EINVAL && errno != ESPIPE && errno != EOPNOTSUPP)
+      return false;
   }
   return true;
 }

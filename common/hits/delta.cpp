@@ -103,7 +103,7 @@ Rest rest_of_changed(const Solid& solid, const BrokenSolid& broken, const Change
   return rest;
 }
 
-/// Figures of all fragments, for the report.
+/// Computes the report's figures over all fragments.
 CutCells::Whole figures_of(const BrokenSolid& broken, const Execution& execution) {
   CutCells::Whole whole;
   Pacer pacer(execution);

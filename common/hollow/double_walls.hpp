@@ -1,4 +1,4 @@
-// Finds parts that are thin shells around a hidden space, which nobody may have meant.
+// Finds parts that are thin shells around a hidden space. Such a shell is often a mistake of the program that made the mesh.
 #pragma once
 
 #include "common/base/execution.hpp"

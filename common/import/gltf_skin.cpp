@@ -19,7 +19,7 @@ double largest_difference(const Transform& a, const Transform& b) {
   return d;
 }
 
-/// Leaves everything where it is in the file.
+/// The matrix of a vertex that no joint moves: it subtracts only the offset.
 Transform moved_by(const Vec3d& offset) {
   Transform transform;
   transform.t = transform.t - offset;

@@ -32,7 +32,7 @@ class Skinning {
 
  private:
   std::vector<Transform> joints_;
-  Transform unmoved_;  ///< leaves the mesh where it is in the file
+  Transform unmoved_;  ///< for vertices that no joint moves; subtracts only the offset
   std::optional<Transform> rigid_;
 };
 

@@ -146,7 +146,8 @@ Expected<std::vector<std::byte>> unzip(std::span<const std::byte> archive, const
                     " bytes; the limit is " + std::to_string(max_bytes) + ".",
                 {}, {{"limit", max_bytes}});
   if (!is_before(entry.header, kLocal, text.size()) || text.substr(entry.header, 4) != "PK\x03\x04")
-    return damaged("there is no header at byte " + std::to_string(entry.header) + ".");
+    return damaged("its header should be at byte " + std::to_string(entry.header) +
+                   ", but other data are there.");
   const std::uint64_t begin =
       entry.header + kLocal + number_at(text, entry.header + 26, 2) + number_at(text, entry.header + 28, 2);
   if (!is_before(begin, entry.packed, text.size())) return damaged("the archive ends before it.");

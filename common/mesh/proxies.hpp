@@ -21,7 +21,7 @@ enum class Proxies {
 /// - "Crate-colonly" and "Crate-convcolonly" without an owner, because they are never visible. They are added to Mesh::dropped.
 ///   But if the mesh had no other triangles, they would stay.
 ///
-/// Warnings name the nodes and the parameter `proxies`. If there are no such nodes, the mesh does not change.
+/// Adds warnings that name these nodes and the parameter `proxies`. A mesh without such nodes does not change.
 void take_proxies(Mesh& mesh);
 
 }  // namespace fracture

@@ -4,7 +4,7 @@
 //
 // Frame and unit are those of the GLB's root node: metres, y up. Positions do not contain the translation of the
 // root, because floats are too coarse at that distance from the origin. OBJ and PLY state it in a comment
-// ("offset (x, y, z)"), and STL in its header, if it fits there. Fragments are where they were cut from the mesh.
+// ("offset (x, y, z)"). STL states it in its header if the 80 bytes suffice. Fragments keep their places in the mesh.
 // Their positions are the floats of Object::position(). Decimal formats use the fewest digits that read back as
 // the same float. So each fragment is closed, and points that two fragments share have the same bits. The sheets
 // that a fragment carries follow it. Parts that were not fractured come after the fragments.

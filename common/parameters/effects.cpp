@@ -70,7 +70,7 @@ Why instances(const Asked& a) {
       if (node.mesh != kNoIndex) meshes.push_back(node.mesh);
   std::sort(meshes.begin(), meshes.end());
   if (std::adjacent_find(meshes.begin(), meshes.end()) != meshes.end()) return {};
-  return "no two nodes of the file place the same mesh, so there are no instances.";
+  return "the file uses each mesh only once, so there are no instances.";
 }
 
 Why grain(const Asked& a) {

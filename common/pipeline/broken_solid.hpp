@@ -46,7 +46,7 @@ Expected<BrokenSolid> break_solid(const Solid& solid, const Diagram& diagram,
 Expected<void> apply_hits(const Solid& solid, const FractureParameters& parameters, BrokenSolid& broken,
                           const Execution& execution);
 
-/// InstancedBodies::of_fragment of the answer; empty if there are no instances. Throws Interrupted.
+/// Returns InstancedBodies::of_fragment for the whole answer, or an empty list if no instance is whole. Throws Interrupted.
 std::vector<std::uint32_t> instances_of(const BrokenSolid& broken, const Execution& execution);
 
 /// Completes the answer with copies of all fragments. Error: kUnsound. Throws Interrupted.

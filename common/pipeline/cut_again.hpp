@@ -1,8 +1,8 @@
 // Cuts one fragment by the cells of a hit. Its pieces are intersections of the fragment with these cells. The cells of
 // the guards together cut off the rest, which is the fragment that remains.
 //
-// Two neighbouring fragments are cut separately, but they share triangles where they were cut apart. Both get the same
-// points there, because a point is the exact value of a formula, rounded once to the lattice of the whole. They also get
+// Neighbouring fragments are cut separately, and their common faces must still match. Both get the same
+// points on these faces, because a point is the exact value of a formula, rounded once to the lattice of the whole. They also get
 // the same triangles (fragment/mirrored_ring.hpp). Triangles that no cell cuts stay as they are.
 #pragma once
 

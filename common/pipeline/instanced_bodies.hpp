@@ -37,8 +37,8 @@ void separate_trimmed(InstancedBodies& instances, const CollisionHulls& hulls);
 std::optional<InstanceFigures> count_instances(const InstancedBodies& instances,
                                                const std::vector<std::uint32_t>& of_fragment);
 
-/// Removes the fragments that carry sheets. They get meshes of their own, because sheets are cut where they are. Their hulls stay
-/// those of the shape.
+/// Removes the fragments that carry sheets, because each carries other pieces of sheets and needs a mesh of its own. These
+/// fragments still use the hulls of the shape.
 void separate_carriers(InstancedBodies& instances, const std::vector<Fragment>& fragments);
 
 }  // namespace fracture

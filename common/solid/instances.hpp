@@ -38,7 +38,7 @@ inline constexpr double kInstanceTolerance = 0x1p-20;
 /// mesh or scale its axes differently do not count. Linear. Throws Interrupted.
 Instances find_instances(const Solid& solid, const Execution& execution);
 
-/// Stores the result in Solid::instances; null if there are no instances. Throws Interrupted.
+/// Sets Solid::instances to the result of find_instances(), or to null if it is empty. Throws Interrupted.
 void keep_instances(Solid& solid, const Execution& execution);
 
 }  // namespace fracture

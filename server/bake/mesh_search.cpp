@@ -52,9 +52,9 @@ Expected<void> MeshSearch::look_into(const std::string& input) {
   if (!looked || found_.size() > before) return looked;
   const std::size_t results = skipped_.size() - skipped_before;
   if (dangling_.size() > dangling_before)
-    return wrong("There is no mesh in '" + input + "'. The target of the link '" +
+    return wrong("No mesh was found in '" + input + "'. The target of the link '" +
                  dangling_[dangling_before] + "' does not exist.");
-  return wrong("There is no mesh in '" + input + "'" +
+  return wrong("No mesh was found in '" + input + "'" +
                (results > 1    ? ", only " + std::to_string(results) + " results of earlier bakes."
                 : results == 1 ? ", only one result of an earlier bake."
                                : "."));

@@ -38,7 +38,7 @@ class MeshSearch {
   /// Excludes a folder.
   void leave_out(const std::string& folder) { left_out_.insert(identity_of(folder)); }
 
-  /// Searches one input: a folder, a glob or a file. Returns kBadParameter if there is no mesh in it, or if a folder cannot
+  /// Searches one input: a folder, a glob or a file. Returns kBadParameter if it contains no mesh, or if a folder cannot
   /// be read.
   Expected<void> look_into(const std::string& input);
 

@@ -56,7 +56,7 @@ TEST(GltfMorph, WeightsOfANodeReplaceThoseOfTheMesh) {
   EXPECT_EQ(mesh.positions[7], (Vec3f{0, 0, 3}));
   EXPECT_EQ(mesh.positions[9], (Vec3f{1, 0, 0}));
   ASSERT_EQ(mesh.instances.size(), 3u);
-  EXPECT_EQ(mesh.instances[0].mesh, kNoIndex) << "it is no instance of the shape that others share";
+  EXPECT_EQ(mesh.instances[0].mesh, kNoIndex) << "its weights give it another shape than the others have";
   EXPECT_EQ(mesh.instances[1].mesh, 0u);
 }
 

@@ -79,7 +79,7 @@ TEST_F(BakePlanTest, LinksWithoutATargetAreNamed) {
   fs::create_directories(folder / "empty");
   fs::create_symlink("../absent", folder / "empty/props");
   EXPECT_EQ(refused({.inputs = {folder / "empty"}, .output = "out"}),
-            "There is no mesh in '" + folder / "empty" + "'. The target of the link '" +
+            "No mesh was found in '" + folder / "empty" + "'. The target of the link '" +
                 folder / "empty/props" + "' does not exist.");
 }
 

@@ -77,7 +77,7 @@ TEST_F(BakeProgram, InspectPrintsALineForEachMeshAndASummaryByCause) {
   EXPECT_THAT(out, HasSubstr("2 files: 1 closed, 1 unreadable\n"));
   EXPECT_EQ(shell("$f inspect cube.off -"), 2);
   EXPECT_EQ(shell("mkdir none && $f inspect none"), 2);
-  EXPECT_THAT(err, HasSubstr("There is no mesh in 'none'."));
+  EXPECT_THAT(err, HasSubstr("No mesh was found in 'none'."));
 }
 
 // -- pipes
