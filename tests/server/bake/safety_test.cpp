@@ -288,7 +288,7 @@ TEST_F(BakeSafety, ResultsBelowAFolderOrAGlobAreSkippedAndCounted) {
       << "a result that is named is meant";
   put("results/x.glb", glb(kOurs));
   expect_refused({.inputs = {folder / "results"}, .output = folder / "out"},
-                 {"no mesh", "only one result of an earlier bake"});
+                 {"No mesh was found", "only one result of an earlier bake"});
 }
 
 TEST_F(BakeSafety, WhatAReportSaysWasMadeIsAResultAlsoAfterAnotherProgramHasWrittenIt) {
