@@ -172,11 +172,11 @@ AnswerSummary summary_in(std::span<const std::uint8_t> file, OutputFormat format
     if (note.is_string()) summary.remarks.note(note);
   for (const json& entry : report.value("dropped", json::array())) {
     if (!entry.is_object()) continue;
-    const auto text = [&entry](const char* key) {
+    const auto field = [&entry](const char* key) {
       const auto at = entry.find(key);
       return at != entry.end() && at->is_string() ? at->get<std::string>() : std::string();
     };
-    summary.dropped.push_back({text("what"), text("name"), text("reason")});
+    summary.dropped.push_back({field("what"), field("name"), field("reason")});
   }
   return summary;
 }
