@@ -144,13 +144,22 @@ TEST(ImportIsolation, AFileThatRanOutOfTimeIsNotTriedWithAsLittleAgain) {
     }
     return pool.counters();
   };
-  const ImportCounters first = within(1500ms);  // of which the import had at least a tenth
-  EXPECT_EQ(first.interrupted, 1u);
-  ASSERT_TRUE(settles(pool));
-  const ImportCounters settled = pool.counters(), less = within(100ms);
+  // Only processor time is remembered. On a busy machine, an import needs longer to use as much as the second attempt would have.
+  std::chrono::milliseconds time = 1500ms;
+  ImportCounters before = within(time);
+  EXPECT_EQ(before.interrupted, 1u);
+  ImportCounters less;
+  do {
+    ASSERT_TRUE(settles(pool));
+    before = pool.counters();
+    less = within(100ms);
+    if (less.remembered > 0) break;
+    (void)within(time *= 2);
+  } while (time < 20s);
   EXPECT_EQ(less.remembered, 1u) << "less time: refused at once";
-  EXPECT_EQ(less.started, settled.started);
-  EXPECT_EQ(within(3s).interrupted, 2u) << "more time: tried";
+  EXPECT_EQ(less.started, before.started);
+  EXPECT_EQ(less.interrupted, before.interrupted);
+  EXPECT_EQ(within(2 * time).interrupted, before.interrupted + 1) << "more time: tried";
 }
 
 TEST(ImportMemo, IsBoundedAndForgets) {
