@@ -104,9 +104,9 @@ class Reader {
 
   /// Visits a node and its children. Parents only group their children: only the nodes of instances are rotated
   /// or scaled. Nodes of the source without a mesh are left out. An answer has two or three levels, and one more for each level
-  /// of clusters (at most 8).
+  /// of clusters (at most 8) or of groups (at most kMostSourceLevels, 64).
   void walk(std::uint64_t index, Vec3f place, int depth = 0, bool carried = false) {
-    constexpr int kDeepest = 64;
+    constexpr int kDeepest = 80;
     const json& node = element(document_, "nodes", index);
     if (seen_.at(index) || depth > kDeepest) throw Broken{"its nodes are not a tree"};
     seen_[index] = true;
