@@ -280,7 +280,8 @@ std::size_t expected_length(const FracturedSolid& fractured, const SceneLayout& 
     bonds += level.bonds.size();
   }
   const std::size_t groups = std::min(set.source->node_names.size(), set.fragments.size());
-  return 4096 + 200 * groups + 2400 * set.fragments.size() + 600 * hulls + 8 * sites + 200 * bonds + 800 * clusters;
+  return 4096 + 200 * groups + 2400 * set.fragments.size() + 600 * hulls + 8 * sites + 200 * bonds +
+         800 * clusters;
 }
 
 /// Estimated number of accessors, rather too large.

@@ -156,7 +156,8 @@ void MeshBuilder::set_tree() {
   }
   bool is_list = used.nodes.size() == tree_.of_instance.size();
   for (const std::uint32_t node : tree_.of_instance) {
-    is_list = is_list && number[node] == used.of_instance.size() && used.nodes[number[node]].parent == kNoIndex;
+    is_list =
+        is_list && number[node] == used.of_instance.size() && used.nodes[number[node]].parent == kNoIndex;
     used.of_instance.push_back(number[node]);
   }
   if (!is_list) mesh_.source_tree = std::make_shared<const SourceTree>(std::move(used));

@@ -19,8 +19,9 @@ struct Mesh;
 inline constexpr std::uint32_t kMostSourceLevels = 64;
 
 struct SourceNode {
-  std::string name;                 ///< UTF-8, not empty, possibly repeated
-  std::uint32_t parent = kNoIndex;  ///< index into SourceTree::nodes, lower than the node's own; kNoIndex: none
+  std::string name;  ///< UTF-8, not empty, possibly repeated
+  std::uint32_t parent =
+      kNoIndex;  ///< index into SourceTree::nodes, lower than the node's own; kNoIndex: none
   /// Members of the extras of a node without a mesh, as in Mesh::node_extras. Fragments carry those of nodes with a mesh.
   std::string extras{};
   friend bool operator==(const SourceNode&, const SourceNode&) = default;

@@ -179,7 +179,8 @@ SourceTree read_source_tree(ByteReader& in, const ImportLimits& limits) {
     node.name = in.text();
     node.parent = in.value<std::uint32_t>();
     node.extras = in.text();
-    require(!node.name.empty() && is_utf8(node.name) && is_utf8(node.extras), "a text is not UTF-8, or empty");
+    require(!node.name.empty() && is_utf8(node.name) && is_utf8(node.extras),
+            "a text is not UTF-8, or empty");
     check_extras(node.extras, limits);
     require(node.parent < level.size() || node.parent == kNoIndex, "a node of the source is not in a tree");
     level.push_back(node.parent == kNoIndex ? 1 : level[node.parent] + 1);

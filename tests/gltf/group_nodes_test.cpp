@@ -90,8 +90,7 @@ TEST(GroupNodes, ASourceOfOneNodeHasNone) {
   const auto instances =
       std::make_shared<const SourceTree>(SourceTree{{{"Trees", kNoIndex}}, {0, 0}});  // of one node
   EXPECT_EQ(nodes_of(halves_of({"Trees", "Trees"}, {0, 1}, instances)).size(), 3u);
-  const auto below =
-      std::make_shared<const SourceTree>(SourceTree{{{"House", kNoIndex}, {"Wall", 0}}, {1}});
+  const auto below = std::make_shared<const SourceTree>(SourceTree{{{"House", kNoIndex}, {"Wall", 0}}, {1}});
   const json nodes = nodes_of(halves_of({"Wall"}, {0, 0}, below));
   ASSERT_EQ(nodes.size(), 5u) << "but one below another is a hierarchy";
   EXPECT_EQ(nodes[0]["children"], json::array({3}));
@@ -210,8 +209,7 @@ TEST(GroupNodes, NamesAreThoseOfTheSourceAndUnique) {
   EXPECT_EQ(names(halves_of({"Crate-col", "UCX_Box"})), (Names{"Crate-col_piece", "_UCX_Box"}));
   EXPECT_EQ(names(halves_of({"Fracture", "b"})), (Names{"Fracture_group", "b"})) << "the root's name";
   const std::string longest(80, 'x');
-  EXPECT_EQ(names(halves_of({longest, longest})),
-            (Names{std::string(57, 'x'), std::string(55, 'x') + "_2"}));
+  EXPECT_EQ(names(halves_of({longest, longest})), (Names{std::string(57, 'x'), std::string(55, 'x') + "_2"}));
 
   FracturedSolid with_intact = halves_of({"Intact", "Intact_intact"});
   add_intact(with_intact);

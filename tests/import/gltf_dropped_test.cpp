@@ -120,8 +120,7 @@ TEST(GltfDropped, NodesThatTheAnswerLacksAreNamed) {
                        {{"name", "Alone"}},
                        json::object()};
   tet.json["scenes"] = {{{"nodes", {0, 5}}}, {{"nodes", {3}}, {"name", "Other"}}};
-  EXPECT_THAT(dropped_by(tet),
-              UnorderedElementsAre("node Elsewhere", "node Alone", "scene Other"));
+  EXPECT_THAT(dropped_by(tet), UnorderedElementsAre("node Elsewhere", "node Alone", "scene Other"));
   const Mesh mesh = import_with_losses(tet);
   EXPECT_EQ(mesh.node_names, std::vector<std::string>{"Wall"});
   EXPECT_THAT(mesh.empty_nodes, ElementsAre(EmptyNode{.name = "socket_fx"}, EmptyNode{.name = "empty"}));
@@ -140,14 +139,16 @@ TEST(GltfDropped, NodesAboveMeshesAreGroupsWithTheirExtrasUpToALimit) {
   EXPECT_EQ(mesh.node_extras, std::vector<std::string>{"\"hp\":7"}) << "fragments have them";
 
   tet.json["nodes"] = json::array();
-  for (int k = 0; k < 70; ++k) tet.json["nodes"].push_back({{"name", std::to_string(k)}, {"children", {k + 1}}});
+  for (int k = 0; k < 70; ++k)
+    tet.json["nodes"].push_back({{"name", std::to_string(k)}, {"children", {k + 1}}});
   tet.json["nodes"].push_back({{"name", "Wall"}, {"mesh", 0}});
   mesh = import_with_losses(tet);
   ASSERT_TRUE(mesh.source_tree);
   EXPECT_EQ(mesh.source_tree->nodes.size(), 64u);
   EXPECT_EQ(mesh.source_tree->nodes.back(), (SourceNode{"63", 62}));
   EXPECT_EQ(mesh.source_tree->of_instance, std::vector<std::uint32_t>{63});
-  EXPECT_THAT(dropped_by(tet), UnorderedElementsAre("node 64", "node 65", "node 66", "node 67", "node 68", "node 69"));
+  EXPECT_THAT(dropped_by(tet),
+              UnorderedElementsAre("node 64", "node 65", "node 66", "node 67", "node 68", "node 69"));
 }
 
 TEST(GltfDropped, AMeshThatNoNodeShowsIsNamed) {

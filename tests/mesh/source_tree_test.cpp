@@ -16,9 +16,14 @@ namespace {
 Mesh house() {
   Mesh mesh;
   mesh.node_names = {"Wall", "Window", "Pane", "Pane", "Roof", "Lamp"};
-  mesh.source_tree = std::make_shared<const SourceTree>(SourceTree{
-      {{"House", kNoIndex}, {"Floor", 0}, {"Wall", 1}, {"Window", 1}, {"Pane", 3}, {"Roof", 0}, {"Lamp", kNoIndex}},
-      {2, 3, 4, 4, 5, 6}});
+  mesh.source_tree = std::make_shared<const SourceTree>(SourceTree{{{"House", kNoIndex},
+                                                                    {"Floor", 0},
+                                                                    {"Wall", 1},
+                                                                    {"Window", 1},
+                                                                    {"Pane", 3},
+                                                                    {"Roof", 0},
+                                                                    {"Lamp", kNoIndex}},
+                                                                   {2, 3, 4, 4, 5, 6}});
   return mesh;
 }
 

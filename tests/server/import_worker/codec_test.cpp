@@ -164,7 +164,8 @@ TEST(MeshCodec, EveryBrokenPromiseIsFound) {
   EXPECT_THAT(broken_tree([](SourceTree& t) { t.nodes[0].parent = 0; }), HasSubstr("not in a tree"));
   EXPECT_THAT(broken_tree([](SourceTree& t) { t.nodes[0].name = "\xff"; }), HasSubstr("UTF-8"));
   EXPECT_THAT(broken_tree([](SourceTree& t) { t.nodes[0].extras = "}"; }), HasSubstr("not JSON"));
-  EXPECT_THAT(broken_tree([](SourceTree& t) { t.of_instance[0] = 3; }), HasSubstr("not a node of the source"));
+  EXPECT_THAT(broken_tree([](SourceTree& t) { t.of_instance[0] = 3; }),
+              HasSubstr("not a node of the source"));
   EXPECT_THAT(broken_tree([](SourceTree& t) { t.of_instance.pop_back(); }), HasSubstr("every instance"));
   EXPECT_THAT(broken_tree([](SourceTree& t) {
                 for (std::uint32_t k = 2; k < 70; ++k) t.nodes.push_back({"deep", k});
