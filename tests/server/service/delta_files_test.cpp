@@ -102,8 +102,9 @@ TEST_F(HitsTest, FragmentsOfADeltaAreInTheGroupsThatTheWholeAnswerHas) {
       "o left\n" + box_obj(1) +
       "o right\nv 2 0 0\nv 3 0 0\nv 3 1 0\nv 2 1 0\nv 2 0 1\nv 3 0 1\nv 3 1 1\nv 2 1 1\n"
       "f 25 28 27 26\nf 29 30 31 32\nf 25 26 30 29\nf 26 27 31 30\nf 27 28 32 31\nf 28 25 29 32\n";
-  const FractureAnswer first = ask(service, boxes, {{"sites", 12}}).value();
-  json hit = {{"of", address(first)}, {"local_point", {1, 0.5, 0.5}}, {"local_radius", 0.3}, {"local_sites", 8}};
+  const FractureAnswer first = ask(service, boxes, {{"sites", 40}}).value();
+  json hit = {
+      {"of", address(first)}, {"local_point", {1, 0.5, 0.5}}, {"local_radius", 0.3}, {"local_sites", 8}};
   const FractureAnswer whole = ask(service, boxes, hit).value();
   hit["delta"] = "only";
   const FractureAnswer changed = ask(service, boxes, hit).value();
