@@ -58,7 +58,9 @@ def house_glb():
     document["nodes"] = [
         {"name": "House", "children": [1, 3], "translation": [0, 0, 1], "extras": {"floors": 2}},
         {"name": "Wall", "mesh": 0, "children": [2], "scale": [3, 2, 1], "extras": {"hp": 7}},
-        {"name": "Beam", "mesh": 0, "translation": [1, 0.25, 0]}, {"name": "Wall_01", "mesh": 0, "translation": [9, 0, 0]}, {"name": "Lamp", "mesh": 0, "translation": [0, 5, 0]},
+        {"name": "Beam", "mesh": 0, "translation": [1, 0.25, 0]},
+        {"name": "Wall_01", "mesh": 0, "translation": [9, 0, 0]},
+        {"name": "Lamp", "mesh": 0, "translation": [0, 5, 0]},
         {"name": "socket", "translation": [0, 1, 0]}]
     document["scenes"] = [{"nodes": [0, 4, 5]}]
     return glb.pack(document, bytes(binary))
