@@ -60,7 +60,8 @@ std::vector<char> mark_groups(const FragmentSet& set, const SourceNodes& nodes, 
   each(*set.source, [&](std::uint32_t node) { ++broken[node]; });
   if (set.source->passed_through)
     each(*set.source->passed_through, [&](std::uint32_t node) { has_triangles[node] = 1; });
-  for (std::size_t k = 0; k < broken.size(); ++k) has_triangles[k] |= broken[k] > 0 ? 1 : 0;
+  for (std::size_t k = 0; k < broken.size(); ++k)
+    if (broken[k] > 0) has_triangles[k] = 1;
   if (set.whole_sheets) {
     const std::vector<std::uint32_t>& instances = set.whole_sheets->surface->source->node;
     for (const std::uint32_t t : set.whole_sheets->triangles) {
@@ -139,7 +140,7 @@ GroupNodes::GroupNodes(const FracturedSolid& fractured, const SourceOfFragments&
   for (std::size_t k = nodes.size(); k-- > 0;) {
     pacer.step();
     const std::uint32_t parent = nodes.parent(static_cast<std::uint32_t>(k));
-    used[k] |= held[k].empty() ? 0 : 1;
+    if (!held[k].empty()) used[k] = 1;
     if (used[k] && parent != kNoIndex) used[parent] = 1;
   }
   const std::vector<std::string> wanted = names_of_groups(nodes, execution);
