@@ -478,6 +478,12 @@ Fragment assemble(const RestrictedDiagram& diagram, const Ownership& ownership, 
       out.part_cells.push_back({in_whole(share.part), s});
   sort_with_polls(execution, out.part_cells.begin(), out.part_cells.end());
   out.node = diagram.solid.parts[piece.part].node;
+  const auto add_nodes = [&](std::uint32_t part) {
+    out.nodes.add(diagram.solid.parts[part].node);
+    out.nodes.add(diagram.solid.parts[part].nodes);
+  };
+  add_nodes(piece.part);
+  for (const PartOwner& share : piece.part_owners) add_nodes(share.part);
   if (piece.faces.empty())
     return out;  // the surfaces of the united pieces cancel: the fragment is empty and will be dropped
   Assembler(diagram, execution, out).run(piece, pivot);

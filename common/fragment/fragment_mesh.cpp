@@ -33,6 +33,7 @@ Mesh fragment_mesh(const FragmentSet& set, std::size_t index, const Execution& e
   mesh.node_extras = set.source->node_extras;
   mesh.groups = set.source->groups;
   mesh.group_of_node = set.source->group_of_node;
+  mesh.source_tree = set.source->source_tree;
   mesh.library = set.source->library;
   mesh.copyright = set.source->copyright;
   mesh.dropped = set.source->dropped;

@@ -156,6 +156,7 @@ class Builder {
     for (const std::uint32_t p : out_.parts) {
       const Part& part = whole_.parts[p];
       s.parts.push_back({{}, largest, {}, 0, f_.triangle_parts.empty() ? f_.node : part.node, part.color});
+      s.parts.back().nodes = f_.triangle_parts.empty() ? f_.nodes : part.nodes;
     }
     std::vector<exact::VolumeSum> sums;
     for (const std::uint32_t t : first_of_shell_)

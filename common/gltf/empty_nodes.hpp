@@ -1,4 +1,4 @@
-// Nodes of the source without a mesh (Mesh::empty_nodes), below the root of the fragments. They are the last nodes of the file,
+// Nodes of the source without a mesh (Mesh::empty_nodes), below the root of the fragments. Only group nodes come after them,
 // so they do not change the indices of others.
 #pragma once
 
@@ -20,6 +20,7 @@ class EmptyNodes {
 
   std::size_t size() const { return names_.size(); }
   std::size_t first_node() const { return first_node_; }
+  const std::vector<std::string>& names() const { return names_; }
   /// Appends the nodes: {name, translation or matrix, extras}. A transform that does nothing is left out.
   void write(JsonText& json) const;
 

@@ -157,7 +157,7 @@ void write_root_extras(JsonText& json, const FracturedSolid& fractured, const Gl
 }
 
 void write_fragment_extras(JsonText& json, const FracturedSolid& fractured, std::size_t index,
-                           const GltfOptions& options) {
+                           const GltfOptions& options, const SourceOfFragments& sources) {
   const Fragment& fragment = fractured.set.fragments[index];
   const Hierarchy& hierarchy = fractured.hierarchy;
   const MassProperties& mass = fragment.mass;
@@ -180,6 +180,7 @@ void write_fragment_extras(JsonText& json, const FracturedSolid& fractured, std:
   json.end_array();
   if (const InstancedBodies::Body* const body = instance_in_file(fractured, options, index))
     json.member("shape", fractured.instances.numbers[body->shape]);
+  if (level > 0) sources.write(json, sources.of(index));  // otherwise, a group node says it
   json.end_object();
 }
 

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/gltf/gltf_writer.hpp"
+#include "common/gltf/group_nodes.hpp"
 #include "common/gltf/json_text.hpp"
 #include "common/pipeline/fractured_solid.hpp"
 
@@ -17,9 +18,10 @@ namespace fracture {
 /// volume, mass, center_of_mass, bonds}, in columns; absent without a hierarchy.
 void write_root_extras(JsonText& json, const FracturedSolid& fractured, const GltfOptions& options);
 
-/// Writes {id, volume, mass, area, exterior_area, center_of_mass, level, parent, anchored, part, parts (if several), sites}.
+/// Writes {id, volume, mass, area, exterior_area, center_of_mass, level, parent, anchored, part, parts (if several), sites, shape
+/// (of an instance), source (with levels)}.
 void write_fragment_extras(JsonText& json, const FracturedSolid& fractured, std::size_t index,
-                           const GltfOptions& options);
+                           const GltfOptions& options, const SourceOfFragments& sources);
 
 /// Appends the members of the extras that the node has in the source (Mesh::node_extras) to an object.
 void write_source_extras(JsonText& json, const Mesh& source, std::uint32_t node);

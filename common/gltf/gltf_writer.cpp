@@ -10,6 +10,7 @@
 #include "common/gltf/container.hpp"
 #include "common/gltf/empty_nodes.hpp"
 #include "common/gltf/fracture_extras.hpp"
+#include "common/gltf/group_nodes.hpp"
 #include "common/gltf/image_bytes.hpp"
 #include "common/gltf/intact_scene.hpp"
 #include "common/gltf/json_text.hpp"
@@ -82,15 +83,12 @@ void write_document_extensions(JsonText& json, const FragmentSet& set, const Glt
 
 /// Returns the position of the root's `extras.fracture` object in the text.
 TextRange write_root(JsonText& json, const FracturedSolid& fractured, const GltfOptions& options,
-                     const SceneLayout& layout, const ClusterNodes& clusters, std::size_t whole,
-                     const EmptyNodes& empty) {
+                     const std::vector<std::size_t>& children) {
   json.begin_object().member("name", "Fracture");
   write_offset(json, *fractured.set.source);
   if (!fractured.set.fragments.empty()) {
     json.key("children").begin_array();
-    for (const std::size_t node : clusters.roots()) json.value(node);
-    for (std::size_t k = 0; k < whole; ++k) json.value(layout.node_count() + k);
-    for (std::size_t k = 0; k < empty.size(); ++k) json.value(empty.first_node() + k);
+    for (const std::size_t node : children) json.value(node);
     json.end_array();
   }
   json.key("extras").begin_object().key("fracture");
@@ -119,7 +117,7 @@ void write_place(JsonText& json, const Fragment& f, const InstancedBodies::Body*
 }
 
 void write_fragment(JsonText& json, const FracturedSolid& fractured, std::size_t index,
-                    const GltfOptions& options, const SceneLayout& layout) {
+                    const GltfOptions& options, const SceneLayout& layout, const SourceOfFragments& sources) {
   const Fragment& f = fractured.set.fragments[index];
   json.begin_object().member("name", layout.name(index)).member("mesh", layout.mesh(index));
   if (layout.children(index) > 0) {
@@ -137,7 +135,7 @@ void write_fragment(JsonText& json, const FracturedSolid& fractured, std::size_t
     json.end_object();
   }
   json.key("extras").begin_object().key("fracture");
-  write_fragment_extras(json, fractured, index, options);
+  write_fragment_extras(json, fractured, index, options, sources);
   write_source_extras(json, *fractured.set.source, f.node);
   json.end_object().end_object();
 }
@@ -170,8 +168,11 @@ TextRange write_nodes(JsonText& json, const FracturedSolid& fractured, const Glt
   const std::size_t first_cluster = layout.node_count() + whole.size() + intact.node_count();
   const ClusterNodes clusters(fractured, first_cluster, execution);
   const EmptyNodes empty(fractured.set, layout, whole, first_cluster + clusters.size(), execution);
-  const TextRange figures = write_root(json, fractured, options, layout, clusters, whole.size(), empty);
-  for (std::size_t k = 0; k < fragments; ++k) write_fragment(json, fractured, k, options, layout);
+  const SourceOfFragments sources(fractured.set, execution);
+  const GroupNodes groups(fractured, sources, layout, whole, intact, empty, clusters.roots(),
+                          empty.first_node() + empty.size(), execution);
+  const TextRange figures = write_root(json, fractured, options, groups.of_root());
+  for (std::size_t k = 0; k < fragments; ++k) write_fragment(json, fractured, k, options, layout, sources);
   for (std::size_t k = 0; k < fragments; ++k) {
     write_collider_nodes(json, fractured.set.fragments[k], k, options, layout);
     write_ucx_nodes(json, k, layout);
@@ -190,6 +191,7 @@ TextRange write_nodes(JsonText& json, const FracturedSolid& fractured, const Glt
   intact.write_nodes(json, options);
   clusters.write(json, options);
   empty.write(json);
+  groups.write(json);
   json.end_array();
   return figures;
 }
@@ -277,7 +279,9 @@ std::size_t expected_length(const FracturedSolid& fractured, const SceneLayout& 
     clusters += level.clusters.size();
     bonds += level.bonds.size();
   }
-  return 4096 + 2400 * set.fragments.size() + 600 * hulls + 8 * sites + 200 * bonds + 800 * clusters;
+  const std::size_t groups = std::min(set.source->node_names.size(), set.fragments.size());
+  return 4096 + 200 * groups + 2400 * set.fragments.size() + 600 * hulls + 8 * sites + 200 * bonds +
+         800 * clusters;
 }
 
 /// Estimated number of accessors, rather too large.

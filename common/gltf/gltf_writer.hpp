@@ -6,7 +6,8 @@
 //             │   │          mesh 0: exterior primitives, interior
 //             │   ├─ colliders of a compound, UCX_ hulls: identity, no extras
 //             │   └─ sheets that the fragment carries, if any: identity, no extras
-//             └─ fragment 1 …
+//             ├─ fragment 1 …
+//             └─ group of a node of the source, if there are several: its fragments, and further groups (group_nodes.hpp)
 //   scene "Intact", if requested: the solid before it breaks (intact_scene.hpp)
 //
 // A fragment that is a whole instance of a mesh refers to a mesh that several of them share (pipeline/instanced_bodies.hpp). Its

@@ -7,7 +7,6 @@
 #include "common/gltf/khr_physics.hpp"
 #include "common/gltf/names.hpp"
 #include "common/gltf/omi_physics.hpp"
-#include "common/gltf/unique_names.hpp"
 #include "common/physics/principal_axes.hpp"
 
 namespace fracture {
@@ -52,6 +51,24 @@ IntactScene::IntactScene(const FracturedSolid& fractured, const GltfOptions& opt
   first_whole_mesh_ = layout.mesh_count();
   first_mesh_ = first_whole_mesh_ + whole.size();
   first_shape_ = layout.hull_count();
+}
+
+void IntactScene::take_names(UniqueNames& names) const {
+  if (is_empty()) return;
+  names.take(root_name_);
+  for (std::size_t k = 0; k < names_.size(); ++k) {
+    names.take(names_[k]);
+    for (std::size_t hull = 0; hull < hulls(k); ++hull) {
+      names.take(hull_name(k, hull));
+      names.take(collider_name(k, hull));
+    }
+    if (has_sheet(k)) names.take(names_[k] + "_sheet");
+  }
+  for (const std::string& name : whole_names_) names.take(name);
+}
+
+std::string IntactScene::collider_name(std::size_t part, std::size_t hull) const {
+  return names_[part] + "_" + padded(hull, digits_) + "_collider";
 }
 
 std::string IntactScene::hull_name(std::size_t part, std::size_t hull) const {
@@ -109,7 +126,7 @@ void IntactScene::write_nodes(JsonText& json, const GltfOptions& options) const 
   }
   for (std::size_t k = 0; k < names_.size(); ++k) {
     for (std::size_t hull = 0; hull < colliders(k); ++hull) {
-      json.begin_object().member("name", names_[k] + "_" + padded(hull, digits_) + "_collider");
+      json.begin_object().member("name", collider_name(k, hull));
       write_collider(json, k, first_hull_[k] + hull, options);
       json.end_object();
     }

@@ -18,6 +18,7 @@
 #include "common/gltf/mesh_writer.hpp"
 #include "common/gltf/passed_through.hpp"
 #include "common/gltf/scene_layout.hpp"
+#include "common/gltf/unique_names.hpp"
 
 namespace fracture {
 
@@ -30,6 +31,8 @@ class IntactScene {
 
   bool is_empty() const { return names_.empty(); }
   std::size_t root() const { return first_node_; }
+  /// Reserves the names of the scene's nodes and meshes.
+  void take_names(UniqueNames& names) const;
   std::size_t node_count() const { return node_count_; }
   /// Index of the first hull mesh. The meshes of all hulls are consecutive; those of sheets follow them.
   std::size_t first_hull_mesh() const { return first_mesh_ + names_.size(); }
@@ -47,6 +50,7 @@ class IntactScene {
     return colliders(part) + (ucx_ ? hulls(part) : 0) + (has_sheet(part) ? 1 : 0);
   }
   std::string hull_name(std::size_t part, std::size_t hull) const;
+  std::string collider_name(std::size_t part, std::size_t hull) const;
   void write_part(JsonText& json, std::size_t part, std::size_t first_child,
                   const GltfOptions& options) const;
   void write_collider(JsonText& json, std::size_t part, std::size_t hull, const GltfOptions& options) const;

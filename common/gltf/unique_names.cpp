@@ -21,7 +21,7 @@ UniqueNames::UniqueNames(const SceneLayout& layout, std::size_t fragments, const
   }
 }
 
-void UniqueNames::take(std::string name) { taken_.insert(std::move(name)); }
+bool UniqueNames::take(std::string name) { return taken_.insert(std::move(name)).second; }
 
 std::string UniqueNames::add(std::string_view source, std::string_view suffix, std::size_t room) {
   const std::string first = kept_name(source, room - suffix.size()) + std::string(suffix);

@@ -17,7 +17,8 @@ class UniqueNames {
   /// Reserves the names of the fragments, hulls, colliders and sheets. Throws Interrupted.
   UniqueNames(const SceneLayout& layout, std::size_t fragments, const Execution& execution);
 
-  void take(std::string name);
+  /// Reserves a name. Returns whether it was free.
+  bool take(std::string name);
   /// Returns kept_name() with `suffix`, at most `room` bytes. If it is taken, a number is inserted before the suffix:
   /// the lowest one from 2 on that makes the name unique.
   std::string add(std::string_view source, std::string_view suffix = {}, std::size_t room = kMaxName);

@@ -60,6 +60,7 @@ ExtendedSource::ExtendedSource(const Mesh& source, std::size_t wedges, std::size
   mesh.empty_nodes = source.empty_nodes;
   mesh.groups = source.groups;
   mesh.group_of_node = source.group_of_node;
+  mesh.source_tree = source.source_tree;
   mesh.instances = source.instances;
   mesh.library = source.library;
   mesh.given_hulls = source.given_hulls;

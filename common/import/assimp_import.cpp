@@ -194,15 +194,21 @@ void add_scene(const aiScene& scene, const std::vector<std::uint32_t>& slots, co
     const aiNode* node;
     Transform parent;
     std::uint32_t group;  ///< of the nodes above
+    std::uint32_t above;  ///< number of the source's node above it in the tree
   };
   Transform root;
   root.t = root.t - offset;
-  std::vector<Waiting> stack{{scene.mRootNode, root, kNoIndex}};
+  std::vector<Waiting> stack{{scene.mRootNode, root, kNoIndex, kNoIndex}};
   while (!stack.empty()) {
-    const auto [node, parent, above] = stack.back();
+    const auto [node, parent, group_above, above] = stack.back();
     stack.pop_back();
     const Transform world = below(parent, *node);
-    if (node->mNumMeshes > 0) builder.begin_node(node_name(*node), above);
+    const std::uint32_t own =
+        builder.add_source_node(node->mNumMeshes > 0 ? node_name(*node) : group_name(*node), above);
+    if (node->mNumMeshes > 0) {
+      builder.begin_node(node_name(*node), group_above);
+      builder.set_source_node(own);
+    }
     for (unsigned k = 0; k < node->mNumMeshes; ++k) {
       if (node->mMeshes[k] >= scene.mNumMeshes)
         refuse(ErrorCode::kMalformedMesh, "A node refers to a mesh that does not exist.");
@@ -215,9 +221,10 @@ void add_scene(const aiScene& scene, const std::vector<std::uint32_t>& slots, co
       if (surface.triangles.empty()) continue;
       if (auto added = builder.add(std::move(surface)); !added) throw Refused{added.error()};
     }
-    const std::uint32_t group = node->mNumChildren > 0 ? builder.add_group(group_name(*node), above) : above;
+    const std::uint32_t group =
+        node->mNumChildren > 0 ? builder.add_group(group_name(*node), group_above) : group_above;
     for (unsigned k = node->mNumChildren; k-- > 0;)  // the RAW reader leaves null children
-      if (node->mChildren[k] != nullptr) stack.push_back({node->mChildren[k], world, group});
+      if (node->mChildren[k] != nullptr) stack.push_back({node->mChildren[k], world, group, own});
   }
 }
 

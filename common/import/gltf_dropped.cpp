@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "common/import/gltf_extensions.hpp"
+#include "common/mesh/source_tree.hpp"
 
 namespace fracture {
 namespace {
@@ -220,6 +221,7 @@ OtherNodes other_nodes(const json& document, const tinygltf::Model& model, const
   for (const int index : scene.order) state[static_cast<std::size_t>(index)] = kShown;
   for (const int index : scene.hidden) state[static_cast<std::size_t>(index)] = kHidden;
   std::vector<bool> is_joint(count), mesh_below(count), mesh_shown(model.meshes.size());
+  std::vector<std::uint32_t> level(count, 0);  // number of nodes above it that are in the tree of the source
   for (const tinygltf::Skin& skin : model.skins)
     for (const int joint : skin.joints)
       if (joint >= 0 && static_cast<std::size_t>(joint) < count)
@@ -236,6 +238,14 @@ OtherNodes other_nodes(const json& document, const tinygltf::Model& model, const
       mesh_shown[static_cast<std::size_t>(node.mesh)] = true;
   }
 
+  for (const int index : scene.order) {
+    const tinygltf::Node& node = model.nodes[static_cast<std::size_t>(index)];
+    const std::uint32_t own = node.mesh >= 0 || !node.name.empty() ? 1 : 0;
+    for (const int child : node.children)
+      level[static_cast<std::size_t>(child)] =
+          std::min(level[static_cast<std::size_t>(index)] + own, kMostSourceLevels);
+  }
+
   OtherNodes result;
   std::vector<Dropped>& dropped = result.dropped;
   const json& nodes = list_in(document, "nodes");
@@ -249,8 +259,12 @@ OtherNodes other_nodes(const json& document, const tinygltf::Model& model, const
       drop("it is not in the default scene");
     else if (state[n] == kHidden)
       drop("KHR_node_visibility hides it");
+    else if (!has_mesh && mesh_below[n] && model.nodes[n].name.empty())
+      drop("its transform is applied, and groups of fragments need a name");
+    else if (!has_mesh && mesh_below[n] && level[n] >= kMostSourceLevels)
+      drop("its transform is applied, and answers have 64 levels of groups");
     else if (!has_mesh && mesh_below[n])
-      drop("its transform is applied; fragments are below the root node");
+      in_answer = true;  // a group (SourceTree)
     else if (!has_mesh && is_joint[n])
       dropped.push_back({"bone", name, "its pose is applied; fragments have no bones"});
     else if (!has_mesh) {

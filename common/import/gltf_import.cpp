@@ -226,16 +226,17 @@ void add(MeshBuilder& builder, Surface surface) {
   if (auto added = builder.add(std::move(surface)); !added) throw Refused{added.error()};
 }
 
-/// `group`: of the nodes above. `offset`: what was subtracted from the scene. `extras`: of the node (Mesh::node_extras).
+/// Adds a node with a mesh. `group`: of the nodes above. `above`: number of the source's node above it in the tree; becomes its
+/// own. `offset`: what was subtracted from the scene. `extras`: of the node (Mesh::node_extras).
 void add_node(const tinygltf::Model& model, const GltfScene& scene, const Vec3d& offset, int index,
-              std::uint32_t group, const std::string& extras, const MeshReader& reader, MeshBuilder& builder,
-              const ImportLimits& limits) {
+              std::uint32_t group, std::uint32_t& above, const std::string& extras, const MeshReader& reader,
+              MeshBuilder& builder, const ImportLimits& limits) {
   const tinygltf::Node& node = model.nodes[static_cast<std::size_t>(index)];
-  if (node.mesh < 0) return;
   const tinygltf::Mesh& mesh = at(model.meshes, node.mesh, "mesh");
   const std::vector<RawSurface> surfaces = reader.read(mesh, node);
   const std::string name = !node.name.empty() ? node.name : !mesh.name.empty() ? mesh.name : "mesh";
   if (name != mesh.name) group = builder.add_group(mesh.name, group);
+  above = builder.add_source_node(name, above);
   const bool skinned = node.skin >= 0 && std::any_of(surfaces.begin(), surfaces.end(),
                                                      [](const RawSurface& s) { return !s.joints.empty(); });
   if (skinned) {
@@ -243,6 +244,7 @@ void add_node(const tinygltf::Model& model, const GltfScene& scene, const Vec3d&
     const Skinning skinning(joint_matrices(model, scene, at(model.skins, node.skin, "skin"), offset),
                             largest_coordinate(surfaces), offset);
     builder.begin_node(name, group);
+    builder.set_source_node(above);
     builder.set_extras(extras);
     builder.remarks().note(
         skinning.rigid() ? "Skins were baked in the bind pose."
@@ -259,6 +261,7 @@ void add_node(const tinygltf::Model& model, const GltfScene& scene, const Vec3d&
   for (const Transform& instance : gltf_instances(model, node, limits.max_triangles)) {
     const Transform m = instance == Transform{} ? world : world * instance;
     builder.begin_node(name, group, {shared, m.x, m.y, m.z, m.t});
+    builder.set_source_node(above);
     builder.set_extras(extras);
     for (const RawSurface& raw : surfaces) add(builder, place(raw, m));
   }
@@ -284,15 +287,21 @@ Expected<Mesh> import_gltf(std::span<const std::byte> bytes, MeshFormat format, 
     OtherNodes others = other_nodes(document.json, model, scene);
     std::ranges::move(others.dropped, std::back_inserter(builder.dropped()));
     builder.set_empty_nodes(std::move(others.kept));
-    std::vector<std::uint32_t> group_above(model.nodes.size(), kNoIndex);
+    std::vector<std::uint32_t> group_above(model.nodes.size(), kNoIndex), above = group_above;
     for (const int index : scene.order) {  // parents come before their children
       const auto at = static_cast<std::size_t>(index);
-      add_node(model, scene, offset, index, group_above[at], carried_extras(document.json["nodes"][at]),
-               reader, builder, limits);
       const tinygltf::Node& node = model.nodes[at];
+      const std::string extras = carried_extras(document.json["nodes"][at]);
+      if (node.mesh >= 0)
+        add_node(model, scene, offset, index, group_above[at], above[at], extras, reader, builder, limits);
+      else
+        above[at] = builder.add_source_node(node.name, above[at], extras);
       if (node.children.empty()) continue;
       const std::uint32_t group = builder.add_group(node.name, group_above[at]);
-      for (const int child : node.children) group_above[static_cast<std::size_t>(child)] = group;
+      for (const int child : node.children) {
+        group_above[static_cast<std::size_t>(child)] = group;
+        above[static_cast<std::size_t>(child)] = above[at];
+      }
     }
     Expected<Mesh> mesh = builder.finish();
     if (mesh) mesh->frame.offset = offset;

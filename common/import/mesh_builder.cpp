@@ -54,6 +54,15 @@ std::uint32_t MeshBuilder::add_group(std::string name, std::uint32_t parent) {
   return static_cast<std::uint32_t>(mesh_.groups.size() - 1);
 }
 
+std::uint32_t MeshBuilder::add_source_node(std::string name, std::uint32_t parent, std::string extras) {
+  const std::uint32_t level = parent == kNoIndex ? 1 : level_[parent] + 1;
+  if (name.empty() || level > kMostSourceLevels) return parent;
+  bytes_ += name.size() + extras.size();  // add() checks the sum
+  tree_.nodes.push_back({std::move(name), parent, std::move(extras)});
+  level_.push_back(level);
+  return static_cast<std::uint32_t>(tree_.nodes.size() - 1);
+}
+
 void MeshBuilder::begin_node(std::string name, std::uint32_t group, const MeshInstance& instance) {
   mesh_.node_names.push_back(std::move(name));
   mesh_.group_of_node.push_back(group);
@@ -132,9 +141,32 @@ void MeshBuilder::pad_to(std::size_t size) {
   for (auto& set : a.colors) set.resize(size, Vec4f{1, 1, 1, 1});
 }
 
+void MeshBuilder::set_tree() {
+  if (tree_.nodes.empty() || tree_.of_instance.size() != mesh_.node_names.size()) return;
+  std::vector<std::uint32_t> number(tree_.nodes.size(), kNoIndex);
+  for (const std::uint32_t node : tree_.of_instance)
+    for (std::uint32_t n = node; n != kNoIndex && number[n] == kNoIndex; n = tree_.nodes[n].parent)
+      number[n] = 0;
+  SourceTree used;
+  for (std::size_t k = 0; k < number.size(); ++k) {
+    if (number[k] == kNoIndex) continue;
+    number[k] = static_cast<std::uint32_t>(used.nodes.size());
+    SourceNode& node = used.nodes.emplace_back(std::move(tree_.nodes[k]));
+    if (node.parent != kNoIndex) node.parent = number[node.parent];
+  }
+  bool is_list = used.nodes.size() == tree_.of_instance.size();
+  for (const std::uint32_t node : tree_.of_instance) {
+    is_list =
+        is_list && number[node] == used.of_instance.size() && used.nodes[number[node]].parent == kNoIndex;
+    used.of_instance.push_back(number[node]);
+  }
+  if (!is_list) mesh_.source_tree = std::make_shared<const SourceTree>(std::move(used));
+}
+
 Expected<Mesh> MeshBuilder::finish() {
   if (mesh_.triangles.empty()) return fail(ErrorCode::kEmptyMesh, "The file has no triangles.");
   if (mesh_.groups.empty()) mesh_.group_of_node.clear();
+  set_tree();
   if (!mesh_.node_extras.empty()) mesh_.node_extras.resize(mesh_.node_names.size());
   pad_to(mesh_.positions.size());
   for (std::size_t v = 0; v < mesh_.positions.size(); ++v) {

@@ -12,6 +12,7 @@
 #include "common/base/remarks.hpp"
 #include "common/import/import.hpp"
 #include "common/mesh/mesh.hpp"
+#include "common/mesh/source_tree.hpp"
 
 namespace fracture {
 
@@ -34,6 +35,12 @@ class MeshBuilder {
   /// Adds a group of nodes below `parent` (kNoIndex: none), and returns its number. A group without a name is left out; the
   /// result is then `parent`.
   std::uint32_t add_group(std::string name, std::uint32_t parent);
+  /// Adds a node of the source below `parent` (kNoIndex: none) to Mesh::source_tree, and returns its number. Nodes must come in the
+  /// order of a depth-first walk. A node without a name, or below one of depth kMostSourceLevels, is left out; the result is then
+  /// `parent`. `extras`: SourceNode::extras.
+  std::uint32_t add_source_node(std::string name, std::uint32_t parent, std::string extras = {});
+  /// Sets the node of the mesh instance begun last. If there is a tree, each instance needs one.
+  void set_source_node(std::uint32_t node) { tree_.of_instance.push_back(node); }
   /// Begins a mesh instance in a group (kNoIndex: none). The surfaces added next belong to it.
   void begin_node(std::string name, std::uint32_t group = kNoIndex, const MeshInstance& instance = {});
   /// Sets the extras of the mesh instance begun last (Mesh::node_extras).
@@ -51,9 +58,13 @@ class MeshBuilder {
 
  private:
   void pad_to(std::size_t size);
+  /// Sets Mesh::source_tree to the nodes above and of mesh instances, unless they are only a list of the instances.
+  void set_tree();
 
   ImportLimits limits_;
   Mesh mesh_;
+  SourceTree tree_;
+  std::vector<std::uint32_t> level_;  ///< per node of the tree, from 1
   std::uint64_t bytes_ = 0;
 };
 

@@ -259,7 +259,7 @@ class Importer3mf {
     const ModelPart& root = part(path);
     if (root.build.empty())
       refuse(ErrorCode::kEmptyMesh, "The 3MF package has no build items: nothing in it is to be made.");
-    for (const Instance& item : root.build) add(item, path, Transform{}, kNoIndex, 0);
+    for (const Instance& item : root.build) add(item, path, Transform{}, kNoIndex, kNoIndex, 0);
     tell();
     builder_.set_library(materials_.take());
     Mesh mesh = or_throw(builder_.finish());
@@ -282,8 +282,9 @@ class Importer3mf {
   }
 
   /// `from`: the part that has the instance.
+  /// `group`, `above`: of the objects that contain it, as a group and as a node of the source.
   void add(const Instance& instance, const std::string& from, const Transform& parent, std::uint32_t group,
-           int depth) {
+           std::uint32_t above, int depth) {
     const std::string path = instance.part.empty() ? from : instance.part;
     const ModelPart& of = part(path);
     const auto found = of.objects.find(instance.object);
@@ -306,13 +307,15 @@ class Importer3mf {
     const Transform world = parent == Transform{}               ? instance.transform
                             : instance.transform == Transform{} ? parent
                                                                 : parent * instance.transform;
-    if (!object.triangles.empty()) add_mesh(of, object, instance.object, world, group);
+    const std::uint32_t own = builder_.add_source_node(
+        object.name.empty() && !object.triangles.empty() ? "mesh" : object.name, above);
+    if (!object.triangles.empty()) add_mesh(of, object, instance.object, world, group, own);
     const std::uint32_t below = object.components.empty() ? group : builder_.add_group(object.name, group);
-    for (const Instance& component : object.components) add(component, path, world, below, depth + 1);
+    for (const Instance& component : object.components) add(component, path, world, below, own, depth + 1);
   }
 
   void add_mesh(const ModelPart& of, const Object& object, std::uint32_t id, const Transform& world,
-                std::uint32_t group) {
+                std::uint32_t group, std::uint32_t source_node) {
     static const std::vector<std::array<std::uint32_t, 2>> kNoRanges;
     const auto modifier = modifiers_.triangles.find(id);
     const std::vector<std::array<std::uint32_t, 2>>& ranges =
@@ -352,6 +355,7 @@ class Importer3mf {
     if (surface.triangles.empty()) return;
     if (has_uvs) merge_identical_wedges(surface);
     builder_.begin_node(object.name.empty() ? "mesh" : object.name, group);
+    builder_.set_source_node(source_node);
     if (auto added = builder_.add(std::move(surface)); !added) throw Refused{added.error()};
   }
 

@@ -36,6 +36,7 @@ struct SurfaceColor {
   friend bool operator==(const SurfaceColor&, const SurfaceColor&) = default;
 };
 
+struct SourceTree;       // mesh/source_tree.hpp
 struct MaterialLibrary;  // mesh/material_library.hpp
 /// A library without materials.
 std::shared_ptr<const MaterialLibrary> empty_library();
@@ -96,6 +97,7 @@ struct Mesh {
   /// has any. Without the members `fracture`, `intact` and `whole`, which answers write themselves.
   std::vector<std::string> node_extras{};
   std::vector<EmptyNode> empty_nodes{};
+  std::shared_ptr<const SourceTree> source_tree{};  ///< null: the nodes of the source are not in a tree
   std::vector<SurfaceColor>
       triangle_color;  ///< per triangle (surface_color/surface_colors.hpp); empty: none is known
   std::shared_ptr<const MaterialLibrary> library = empty_library();

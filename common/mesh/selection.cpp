@@ -68,6 +68,7 @@ Mesh part_of(const Mesh& mesh, const std::vector<bool>& selected, bool wanted) {
   part.node_extras = mesh.node_extras;
   part.groups = mesh.groups;
   part.group_of_node = mesh.group_of_node;
+  part.source_tree = mesh.source_tree;
   part.instances = mesh.instances;
   part.triangle_color = gathered(mesh.triangle_color, triangles);
   part.library = mesh.library;

@@ -1,5 +1,7 @@
 #include "common/outputs/answer.hpp"
 
+#include <algorithm>
+
 #include "common/gltf/container.hpp"
 #include "common/mesh/frame.hpp"
 #include "common/mesh/gltf_component.hpp"
@@ -43,7 +45,7 @@ class Wanted {
     if (list_ == "asset") return depth > 2 || key == "generator";
     if (list_ != "nodes") return true;
     if (depth == 3) return key != "extensions";
-    return depth == 4 ? key == "fracture" : key == "id";  // extras.fracture.id
+    return depth == 4 ? key == "fracture" : key == "id" || key == "source";  // of extras.fracture
   }
 
  private:
@@ -85,10 +87,23 @@ class Reader {
     for (const json& root :
          element(document_, "scenes", number_at(document_, "scene", 0)).value("nodes", json::array()))
       walk(root.get<std::uint64_t>(), {});
+    if (has_groups_) sort_by_node();
     return std::move(answer_);
   }
 
  private:
+  /// Puts the objects into the order of their nodes, as in answers without groups.
+  void sort_by_node() {
+    std::vector<std::size_t> order(node_of_object_.size());
+    for (std::size_t k = 0; k < order.size(); ++k) order[k] = k;
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::size_t a, std::size_t b) { return node_of_object_[a] < node_of_object_[b]; });
+    std::vector<Object> sorted;
+    sorted.reserve(order.size());
+    for (const std::size_t k : order) sorted.push_back(std::move(answer_.objects[k]));
+    answer_.objects = std::move(sorted);
+  }
+
   void read_images() {
     if (!document_.contains("images")) return;
     for (const json& image : document_.at("images")) {
@@ -104,9 +119,9 @@ class Reader {
 
   /// Visits a node and its children. Parents only group their children: only the nodes of instances are rotated
   /// or scaled. Nodes of the source without a mesh are left out. An answer has two or three levels, and one more for each level
-  /// of clusters (at most 8).
+  /// of clusters (at most 8) or of groups (at most kMostSourceLevels, 64).
   void walk(std::uint64_t index, Vec3f place, int depth = 0, bool carried = false) {
-    constexpr int kDeepest = 64;
+    constexpr int kDeepest = 80;
     const json& node = element(document_, "nodes", index);
     if (seen_.at(index) || depth > kDeepest) throw Broken{"its nodes are not a tree"};
     seen_[index] = true;
@@ -120,10 +135,12 @@ class Reader {
       place = {place.x + by->at(0).get<float>(), place.y + by->at(1).get<float>(),
                place.z + by->at(2).get<float>()};
     const bool fragment = is_fragment(node);
+    has_groups_ = has_groups_ || is_group(node);
     if (turned && !fragment) throw Broken{"node " + std::to_string(index) + " is turned or scaled"};
     if (node.contains("mesh")) {
       read_object(node, fragment, place);
       answer_.objects.back().carried = carried;
+      node_of_object_.push_back(carried ? node_of_object_.back() : index);
       if (turned) answer_.objects.back().turned = similarity(node, place);
     }
     if (!node.contains("children")) return;
@@ -158,6 +175,11 @@ class Reader {
   static bool is_fragment(const json& node) {
     return node.contains("mesh") && node.contains("extras") && node.at("extras").contains("fracture") &&
            node.at("extras").at("fracture").contains("id");
+  }
+
+  static bool is_group(const json& node) {
+    return !node.contains("mesh") && node.contains("extras") && node.at("extras").contains("fracture") &&
+           node.at("extras").at("fracture").contains("source");
   }
 
   void read_object(const json& node, bool fragment, Vec3f place) {
@@ -257,6 +279,8 @@ class Reader {
   Answer answer_;
   Names names_;
   std::vector<bool> seen_;  ///< nodes
+  bool has_groups_ = false;
+  std::vector<std::uint64_t> node_of_object_;  ///< sheets have that of their fragment
 };
 
 }  // namespace

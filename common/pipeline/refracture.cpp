@@ -90,6 +90,7 @@ Expected<FracturedSolid> refracture(const Solid& solid, const Diagram& diagram,
   const auto make_share_of_fragment = [&](std::vector<Fragment>& pieces) {
     for (Fragment& f : pieces) {
       f.source_part = at->source_part;
+      f.nodes = at->nodes;
       f.density_share = at->density_share;  // so that the masses add up to that of the fragment
       for (FragmentPrimitive& p : f.primitives) p.part = kNoIndex;  // its part is one of the fragment's solid
     }

@@ -52,6 +52,10 @@ std::vector<std::uint32_t> make_parts(const Shells& shells, Nesting& nesting, co
     part.volume += volume_of(s);
     part.box.add(shells.list[s].box);
   }
+  pacer.each(0, surface.triangles.size(), [&](std::size_t t) {
+    const std::uint32_t part = part_of_shell[shells.of_triangle[t]], source = surface.source[t];
+    if (part != kNoIndex && source < mesh.node.size()) parts[part].nodes.add(mesh.node[source]);
+  });
   return part_of_shell;
 }
 

@@ -75,6 +75,7 @@ SolidPatch patch_of(const Solid& whole, std::vector<std::uint32_t> triangles,
     const Part& part = whole.parts[p];
     patch.parts.push_back(p);
     s.parts.push_back({{}, part.volume, part.box, layers.rank(part.layer), part.node});
+    s.parts.back().nodes = part.nodes;
   });
   patch.vertices.reserve(vertices.size());
   s.positions.reserve(vertices.size());

@@ -16,6 +16,7 @@
 #include "common/base/remarks.hpp"
 #include "common/base/vec.hpp"
 #include "common/mesh/mesh.hpp"
+#include "common/mesh/source_tree.hpp"
 #include "common/solid/contact_graph.hpp"
 #include "common/solid/instances.hpp"
 #include "common/solid/vertex_id.hpp"
@@ -71,6 +72,7 @@ struct Part {
   std::uint32_t node = 0;  ///< index into Mesh::node_names: the source node that names its fragments
   std::optional<LinearColor> color{};  ///< main colour of its surface, if known
   bool translucent = false;            ///< most of its surface transmits light
+  NodeRange nodes{};  ///< of all its triangles: several nodes if a file divides one surface among them
 };
 
 /// Changes to the input: counts and, for each kind of change, the first place if it has one.

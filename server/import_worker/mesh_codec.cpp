@@ -11,6 +11,7 @@
 #include "common/base/utf8.hpp"
 #include "common/import/text_encoding.hpp"
 #include "common/mesh/material_library.hpp"
+#include "common/mesh/source_tree.hpp"
 #include "server/import_worker/byte_stream.hpp"
 
 namespace fracture {
@@ -18,7 +19,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::uint32_t kMagic = 0x36524d46;  // "FMR6"; the digit is raised with every change of the layout
+constexpr std::uint32_t kMagic = 0x37524d46;  // "FMR7"; the digit is raised with every change of the layout
 enum Kind : std::uint32_t { kMesh = 1, kError = 2 };
 
 /// Maximum length of an error's text, and maximum number of UV or colour sets. glTF readers support far fewer sets.
@@ -38,6 +39,16 @@ template <class T>
 void write_sets(ByteWriter& out, const std::vector<std::vector<T>>& sets) {
   out.value<std::uint64_t>(sets.size());
   for (const auto& set : sets) out.array(set);
+}
+
+void write_source_tree(ByteWriter& out, const SourceTree& tree) {
+  out.value<std::uint64_t>(tree.nodes.size());
+  for (const SourceNode& node : tree.nodes) {
+    out.text(node.name);
+    out.value(node.parent);
+    out.text(node.extras);
+  }
+  out.array(tree.of_instance);
 }
 
 /// Returns roughly the size of the arrays, so that the output buffer need not grow while they are written.
@@ -80,6 +91,8 @@ void write_mesh(ByteWriter& out, const Mesh& mesh) {
     out.value(group.parent);
   }
   out.array(mesh.group_of_node);
+  out.value<std::uint8_t>(mesh.source_tree != nullptr);
+  if (mesh.source_tree) write_source_tree(out, *mesh.source_tree);
   std::vector<std::uint32_t> meshes;  // two arrays, because MeshInstance has padding
   std::vector<std::array<Vec3d, 4>> transforms;
   for (const MeshInstance& instance : mesh.instances) {
@@ -158,6 +171,27 @@ void read_empty_node(ByteReader& in, const ImportLimits& limits, EmptyNode& node
   }
 }
 
+SourceTree read_source_tree(ByteReader& in, const ImportLimits& limits) {
+  SourceTree tree;
+  tree.nodes.resize(in.length(2 * sizeof(std::uint64_t) + sizeof(std::uint32_t)));
+  std::vector<std::uint32_t> level;
+  for (SourceNode& node : tree.nodes) {
+    node.name = in.text();
+    node.parent = in.value<std::uint32_t>();
+    node.extras = in.text();
+    require(!node.name.empty() && is_utf8(node.name) && is_utf8(node.extras),
+            "a text is not UTF-8, or empty");
+    check_extras(node.extras, limits);
+    require(node.parent < level.size() || node.parent == kNoIndex, "a node of the source is not in a tree");
+    level.push_back(node.parent == kNoIndex ? 1 : level[node.parent] + 1);
+    require(level.back() <= kMostSourceLevels, "a node of the source is below too many others");
+  }
+  tree.of_instance = in.array<std::uint32_t>();
+  for (const std::uint32_t node : tree.of_instance)
+    require(node < tree.nodes.size(), "an instance is not a node of the source");
+  return tree;
+}
+
 json read_objects(ByteReader& in, const ImportLimits& limits) {
   json list = read_json(in, limits);
   require(list.is_array(), "a list of the material library is not an array");
@@ -207,6 +241,8 @@ void check_mesh(const Mesh& mesh, const ImportLimits& limits) {
           "the group is not given for every node");
   for (const std::uint32_t group : mesh.group_of_node)
     require(group < mesh.groups.size() || group == kNoIndex, "a node names no group");
+  require(!mesh.source_tree || mesh.source_tree->of_instance.size() == mesh.node_names.size(),
+          "the node of the source is not given for every instance");
   require(mesh.instances.empty() || mesh.instances.size() == mesh.node_names.size(),
           "the instance is not given for every node");
   const std::size_t materials = mesh.library->materials.size();
@@ -246,6 +282,8 @@ Mesh read_mesh(ByteReader& in, const ImportLimits& limits) {
     require(is_utf8(group.name), "a text is not UTF-8");
   }
   mesh.group_of_node = in.array<std::uint32_t>();
+  if (in.value<std::uint8_t>() != 0)
+    mesh.source_tree = std::make_shared<const SourceTree>(read_source_tree(in, limits));
   const std::vector<std::uint32_t> meshes = in.array<std::uint32_t>();
   const std::vector<std::array<Vec3d, 4>> transforms = in.array<std::array<Vec3d, 4>>();
   require(meshes.size() == transforms.size(), "the transform is not given for every instance");

@@ -4,6 +4,7 @@
 #include "common/contacts/scenery.hpp"
 #include "common/hits/delta.hpp"
 #include "common/mesh/material_library.hpp"
+#include "common/mesh/source_tree.hpp"
 #include "server/service/service.hpp"
 
 namespace fracture {
@@ -33,6 +34,11 @@ std::size_t memory_size(const Mesh& mesh) {
     bytes += entry.what.capacity() + entry.name.capacity() + entry.reason.capacity();
   for (const EmptyNode& node : mesh.empty_nodes) bytes += node.name.capacity() + node.extras.capacity();
   for (const NodeGroup& group : mesh.groups) bytes += group.name.capacity();
+  if (mesh.source_tree) {
+    bytes += sizeof(SourceTree) + heap(mesh.source_tree->nodes) + heap(mesh.source_tree->of_instance);
+    for (const SourceNode& node : mesh.source_tree->nodes)
+      bytes += node.name.capacity() + node.extras.capacity();
+  }
   const void* before = nullptr;
   for (const GivenHull& hull : mesh.given_hulls) {
     bytes += sizeof hull + hull.name.capacity() + heap(hull.points) + heap(hull.triangles);

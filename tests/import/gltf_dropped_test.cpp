@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "common/mesh/material_library.hpp"
+#include "common/mesh/source_tree.hpp"
 #include "tests/import/make_files.hpp"
 
 namespace fracture::test {
@@ -78,7 +79,7 @@ TEST(GltfDropped, NodesWithoutAMeshKeepTheirPlaceInTheSceneAndTheirExtras) {
   const EmptyNode socket{"socket", {2, 0, 0}, {0, 2, 0}, {0, 0, 2}, {2, 1, 0}, "\"socket\":true"},
       tip{"tip", {2, 0, 0}, {0, 2, 0}, {0, 0, 2}, {2, 1, 6}, ""};
   EXPECT_THAT(mesh.empty_nodes, ElementsAre(socket, tip));
-  EXPECT_THAT(dropped_by(tet), ElementsAre("node House")) << "which has a mesh below it";
+  EXPECT_THAT(dropped_by(tet), IsEmpty()) << "the house is a group";
 }
 
 TEST(GltfDropped, NodesWhoseTransformANodeCannotHaveAndThoseBeyondTheLimitAreNamed) {
@@ -119,11 +120,35 @@ TEST(GltfDropped, NodesThatTheAnswerLacksAreNamed) {
                        {{"name", "Alone"}},
                        json::object()};
   tet.json["scenes"] = {{{"nodes", {0, 5}}}, {{"nodes", {3}}, {"name", "Other"}}};
-  EXPECT_THAT(dropped_by(tet),
-              UnorderedElementsAre("node House", "node Elsewhere", "node Alone", "scene Other"));
+  EXPECT_THAT(dropped_by(tet), UnorderedElementsAre("node Elsewhere", "node Alone", "scene Other"));
   const Mesh mesh = import_with_losses(tet);
   EXPECT_EQ(mesh.node_names, std::vector<std::string>{"Wall"});
   EXPECT_THAT(mesh.empty_nodes, ElementsAre(EmptyNode{.name = "socket_fx"}, EmptyNode{.name = "empty"}));
+}
+
+TEST(GltfDropped, NodesAboveMeshesAreGroupsWithTheirExtrasUpToALimit) {
+  Tetrahedron tet;
+  tet.json["nodes"] = {{{"name", "House"}, {"children", {1}}, {"extras", {{"floors", 2}}}},
+                       {{"children", {2}}, {"extras", {{"lost", true}}}},
+                       {{"name", "Wall"}, {"mesh", 0}, {"extras", {{"hp", 7}}}}};
+  tet.json["scenes"][0]["nodes"] = {0};
+  EXPECT_THAT(dropped_by(tet), UnorderedElementsAre("node /nodes/1", "extras /nodes/1"));
+  Mesh mesh = import_with_losses(tet);
+  ASSERT_TRUE(mesh.source_tree);
+  EXPECT_EQ(*mesh.source_tree, (SourceTree{{{"House", kNoIndex, "\"floors\":2"}, {"Wall", 0}}, {1}}));
+  EXPECT_EQ(mesh.node_extras, std::vector<std::string>{"\"hp\":7"}) << "fragments have them";
+
+  tet.json["nodes"] = json::array();
+  for (int k = 0; k < 70; ++k)
+    tet.json["nodes"].push_back({{"name", std::to_string(k)}, {"children", {k + 1}}});
+  tet.json["nodes"].push_back({{"name", "Wall"}, {"mesh", 0}});
+  mesh = import_with_losses(tet);
+  ASSERT_TRUE(mesh.source_tree);
+  EXPECT_EQ(mesh.source_tree->nodes.size(), 64u);
+  EXPECT_EQ(mesh.source_tree->nodes.back(), (SourceNode{"63", 62}));
+  EXPECT_EQ(mesh.source_tree->of_instance, std::vector<std::uint32_t>{63});
+  EXPECT_THAT(dropped_by(tet),
+              UnorderedElementsAre("node 64", "node 65", "node 66", "node 67", "node 68", "node 69"));
 }
 
 TEST(GltfDropped, AMeshThatNoNodeShowsIsNamed) {
@@ -260,6 +285,8 @@ TEST(GltfDropped, EveryNameInTheFileIsInTheMeshOrListed) {
   const Mesh mesh = import_with_losses(tet);
   std::string found = mesh.library->materials.dump();
   for (const std::string& name : mesh.node_names) found += "|" + name + "|";
+  ASSERT_TRUE(mesh.source_tree);
+  for (const SourceNode& node : mesh.source_tree->nodes) found += "|" + node.name + "|";
   for (const NodeGroup& group : mesh.groups) found += "|" + group.name + "|";
   for (const EmptyNode& node : mesh.empty_nodes) found += "|" + node.name + "|";
   for (const Dropped& entry : mesh.dropped) found += "|" + entry.name + "|";

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "common/mesh/material_library.hpp"
+#include "common/mesh/source_tree.hpp"
 #include "tests/import/make_files.hpp"
 
 namespace fracture::test {
@@ -96,6 +97,26 @@ TEST(GltfImport, NodesAboveOthersAndNamedMeshesAreGroups) {
   EXPECT_EQ(mesh.groups, (std::vector<NodeGroup>{{"house", kNoIndex}, {"shape", 0}}));
   EXPECT_EQ(mesh.group_of_node, (std::vector<std::uint32_t>{1, 0})) << "the second has the name of its mesh";
   EXPECT_TRUE(import_ok(Tetrahedron()).group_of_node.empty());
+}
+
+TEST(GltfImport, TheTreeHasNodesWithMeshesAndThoseAboveThem) {
+  Tetrahedron tet;
+  tet.json["meshes"][0]["name"] = "shape";
+  tet.json["nodes"] = {{{"name", "house"}, {"children", {1, 4, 5}}},
+                       {{"children", {2}}},  // has no name
+                       {{"mesh", 0}, {"name", "wall"}, {"children", {3}}},
+                       {{"mesh", 0}, {"name", "wall"}},
+                       {{"name", "bones"}},
+                       {{"mesh", 0}}};
+  tet.json["scenes"] = {{{"nodes", {0}}}};
+  const Mesh mesh = import_ok(tet);
+  EXPECT_EQ(mesh.node_names, (std::vector<std::string>{"wall", "wall", "shape"}));
+  ASSERT_TRUE(mesh.source_tree);
+  EXPECT_EQ(*mesh.source_tree,
+            (SourceTree{{{"house", kNoIndex}, {"wall", 0}, {"wall", 1}, {"shape", 0}}, {1, 2, 3}}));
+  tet.json["nodes"] = {{{"mesh", 0}, {"name", "a"}}, {{"mesh", 0}, {"name", "b"}}};
+  tet.json["scenes"] = {{{"nodes", {0, 1}}}};
+  EXPECT_FALSE(import_ok(tet).source_tree) << "a list";
 }
 
 TEST(GltfImport, MeshUsedByTwoNodesIsTwoSurfaces) {

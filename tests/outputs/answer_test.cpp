@@ -201,6 +201,23 @@ TEST(ToSrgb, IsTheCurveOfTheStandard) {
   EXPECT_NEAR(to_srgb(0.214041), 0.5, 1e-6);
 }
 
+TEST(Answer, GroupsDoNotChangeTheOrderOfObjects) {
+  FracturedSolid made = two_halves();
+  auto source = std::make_shared<Mesh>(*made.set.source);
+  source->node_names = {"roof", "wall"};
+  made.set.source = source;
+  made.set.fragments[0].node = 1;  // so the group of the second fragment comes first
+  const std::vector<std::uint8_t> flat = write_glb(made, {});
+  source->node = {0, 1};
+  const std::vector<std::uint8_t> grouped = write_glb(made, {});
+  EXPECT_EQ(Glb(grouped).document["nodes"].size(), Glb(flat).document["nodes"].size() + 2);
+  const KeptAnswer a = read(grouped), b = read(flat);
+  ASSERT_EQ(a.objects.size(), 2u);
+  EXPECT_EQ(a.objects[0].name, "wall_0");
+  EXPECT_EQ(obj_of(a), obj_of(b));
+  EXPECT_EQ(stl_of(a), stl_of(b));
+}
+
 // Floats at the offset are too coarse, so positions stay below the root.
 TEST(Answer, TheOffsetOfTheRootIsStatedAndNotAdded) {
   FracturedSolid far = two_halves();

@@ -15,8 +15,8 @@ from .buffers import Buffers, Json
 from .filters import Filter, collision_filters
 from .fragments import extras_of, figures_of, fragment_nodes, sheet_meshes
 from .glb import Glb, damaged, pack
+from .groups import MOST_NAME, Groups, cut, index_of
 
-MOST_NAME = 63  # bytes; common tools cut longer names
 KHR, OMI, OMI_SHAPE = "KHR_physics_rigid_bodies", "OMI_physics_body", "OMI_physics_shape"
 
 
@@ -132,13 +132,8 @@ def _rename(pieces: List[_Piece]) -> None:
     room = MOST_NAME - (digits + len("__collider") if most > 0 else len("_sheet") if any(sheets) else 0)
     for number, piece in enumerate(pieces):
         base = str(piece.node["name"]).rpartition("_")[0]
-        piece.name = f"{_cut(base, room - 1 - width)}_{number:0{width}}"
+        piece.name = f"{cut(base, room - 1 - width)}_{number:0{width}}"
         piece.digits = digits
-
-
-def _cut(text: str, size: int) -> str:
-    """Cuts a text to `size` bytes in UTF-8, at the end of a character."""
-    return text.encode("utf-8", "replace")[:size].decode("utf-8", "ignore")
 
 
 def _bonds(whole: Glb, figures: Json, pieces: List[_Piece]) -> Json:
@@ -179,7 +174,7 @@ def _rows(bonds: Json, columns: List[str]) -> List[Json]:
 
 def _write_scene(document: Json, whole: Glb, pieces: List[_Piece], figures: Json, filters: List[Optional[Filter]],
                  buffers: Buffers) -> None:
-    """Writes nodes and meshes in the server's order: the root, the fragments, their child nodes, the uncut nodes."""
+    """Writes nodes and meshes in the server's order: the root, the fragments, their child nodes, the uncut nodes, the groups."""
     meshes: List[Json] = []
     # Instances of a mesh share its shape and hulls, which follow those of the other fragments. The first instance names them.
     alone = [piece for piece in pieces if piece.shape is None]
@@ -224,15 +219,19 @@ def _write_scene(document: Json, whole: Glb, pieces: List[_Piece], figures: Json
         nodes.append(node)
         children += [{**child, "name": _renamed(child.get("name", ""), piece, str(piece.node["name"]))} for child in below]
     nodes += children
-    passing = []
+    groups = Groups(whole, *{id(piece.glb): piece.glb for piece in pieces}.values())
+    held = [(groups.above(piece.node), 1 + k) for k, piece in enumerate(pieces)]
     for kept in _passing_through(whole):
-        passing.append(len(nodes))
+        held.append((groups.above(kept), len(nodes)))
         if "mesh" not in kept:
             nodes.append(copy.deepcopy(kept))
             continue
         nodes.append({**kept, "mesh": len(meshes)})
         meshes.append(buffers.add_mesh(whole, kept["mesh"]))
-    nodes[0] = {**_root(whole), "children": [*range(1, 1 + len(pieces)), *passing], "extras": {"fracture": figures}}
+    taken = {str(each.get("name", "")) for each in (*nodes[1:], *meshes, _root(whole))}
+    taken |= {f"{piece.name}_{hull:0{piece.digits}}_collider" for piece in pieces for hull in range(len(_hull_meshes(piece)))}
+    of_root = groups.append_to(nodes, held, taken)
+    nodes[0] = {**_root(whole), "children": of_root, "extras": {"fracture": figures}}
     extensions = _document_extensions(whole, pieces, list(numbers), list(range(first_hull, first_hull + hull_count)))
     if extensions:
         document["extensions"] = extensions
@@ -244,9 +243,11 @@ def _root(whole: Glb) -> Json:
 
 
 def _passing_through(whole: Glb) -> List[Json]:
-    """Returns the nodes of the mesh that no cut reaches: children of the root that are neither fragments nor clusters."""
-    nodes = [whole.item("nodes", child) for child in _root(whole).get("children", [])]
-    return [node for node in nodes if not extras_of(node)]
+    """Returns the nodes of the mesh that no cut reaches, in file order: children of the root or of groups that are neither fragments nor
+    clusters."""
+    above = [_root(whole), *(node for node in whole.list("nodes") if index_of(node) is not None)]
+    found = sorted(child for node in above for child in node.get("children", []))
+    return [node for node in (whole.item("nodes", child) for child in found) if not extras_of(node)]
 
 
 def _body(node: Json) -> Json:

@@ -1,6 +1,7 @@
 // The content of an answer, read from its GLB: data, fragments and bonds. Lengths are in metres; y is up.
 import { type Glb, type GltfNode, type GltfPrimitive, type TypedArray, type Vector3 } from './glb.js';
 import type { CollisionFilter } from './filters.js';
+import { uncutIndices } from './groups.js';
 import { localError } from './problems.js';
 import { turnOf, type Turn } from './turn.js';
 
@@ -341,9 +342,7 @@ export function fragmentsOf(glb: Glb, figures: Figures): Fragment[] {
 
 /** Returns the mesh nodes that `nodes` or `materials` left uncut. */
 export function passedThrough(glb: Glb, figures: Figures): Piece[] {
-  const nodes = glb.json.nodes ?? [], root = nodes[glb.json.scenes?.[glb.json.scene ?? 0]?.nodes?.[0] ?? 0];
-  return (root?.children ?? []).filter(k => nodes[k]!.mesh !== undefined && !nodes[k]!.extras?.['fracture'])
-    .map(k => new Piece(glb, k, figures.interior_materials));
+  return uncutIndices(glb).filter(k => glb.json.nodes![k]!.mesh !== undefined).map(k => new Piece(glb, k, figures.interior_materials));
 }
 
 export function bondsOf({ bonds: { a, b, area, centroid, normal, strength } }: Figures): Bond[] {

@@ -10,6 +10,7 @@
 import { type Glb, type Gltf, type GltfMesh, type GltfNode, packGlb, type Vector3 } from './glb.js';
 import { collisionFilters } from './filters.js';
 import { type BondColumns, type Figures, figuresOf, sheetNodeOf } from './fragments.js';
+import { cut, Groups, MOST_NAME, uncutNodes } from './groups.js';
 import { MeshCopier } from './mesh_copier.js';
 
 interface Source {
@@ -20,25 +21,12 @@ interface Source {
 
 const KHR = 'KHR_physics_rigid_bodies', OMI = 'OMI_physics_body', SHAPES = 'OMI_physics_shape';
 
-const encoder = new TextEncoder();
-
-/** Cuts a text to `size` bytes in UTF-8, at the end of a character. */
-function cut(text: string, size: number): string {
-  let kept = '';
-  for (const character of text) {
-    size -= encoder.encode(character).length;
-    if (size < 0) break;
-    kept += character;
-  }
-  return kept;
-}
-
 /** Returns the number of bytes for the name of a fragment, and the number of digits for those of hulls. The names of its hulls, colliders
  *  and sheets, which are longer, have at most 63 bytes. */
 function nameRoom(sources: Source[]): { room: number; digits: number } {
   const most = sources.reduce((sum, source) => Math.max(sum, hullsOf(source).length), 0), digits = Math.max(2, String(most - 1).length);
   const sheet = sources.some(({ glb, node }) => sheetNodeOf(glb, node) !== undefined) ? '_sheet'.length : 0;
-  return { room: 63 - (most > 0 ? digits + '__collider'.length : sheet), digits };
+  return { room: MOST_NAME - (most > 0 ? digits + '__collider'.length : sheet), digits };
 }
 
 const fractureOf = (node: GltfNode): Record<string, any> | undefined => node.extras?.['fracture'];
@@ -65,8 +53,8 @@ function sourcesOf(glb: Glb): Source[] {
   });
 }
 
-/** Returns all fragments by their first site, then by part. `cut`: ids of the fragments that changed or are gone. */
-function inOrder(before: Source[], after: Source[], cut: ReadonlySet<number>): Source[] {
+/** Returns all fragments by their first site, then by part. `left`: ids of the fragments that changed or are gone. */
+function inOrder(before: Source[], after: Source[], left: ReadonlySet<number>): Source[] {
   const cells = new Map<string, { site: number; part: number; old: Source[]; fresh: Source[] }>();
   const cellOf = ({ figures }: Source) => {
     const site = figures['sites'][0] as number, part = figures['part'] as number, key = `${site} ${part}`;
@@ -75,18 +63,18 @@ function inOrder(before: Source[], after: Source[], cut: ReadonlySet<number>): S
   };
   for (const source of before) cellOf(source).old.push(source);
   for (const source of after) cellOf(source).fresh.push(source);
-  return [...cells.values()].sort((a, b) => a.site - b.site || a.part - b.part).flatMap(({ old, fresh }) => inCell(old, fresh, cut));
+  return [...cells.values()].sort((a, b) => a.site - b.site || a.part - b.part).flatMap(({ old, fresh }) => inCell(old, fresh, left));
 }
 
 /** Merges the pieces of a cell. New pieces take the place of the piece that they come from; a changed piece keeps its id there. */
-function inCell(old: Source[], fresh: Source[], cut: ReadonlySet<number>): Source[] {
+function inCell(old: Source[], fresh: Source[], left: ReadonlySet<number>): Source[] {
   const idOf = ({ figures }: Source) => figures['id'] as number, here = new Set(fresh.map(idOf)), result: Source[] = [];
-  const last = old.reduce((found, source, k) => (cut.has(idOf(source)) ? k : found), -1);
+  const last = old.reduce((found, source, k) => (left.has(idOf(source)) ? k : found), -1);
   if (last < 0) return [...fresh, ...old];  // pieces of an earlier cell, which lost its first site or part
   let next = 0;
   old.forEach((source, k) => {
     const id = idOf(source);
-    if (!cut.has(id)) result.push(source);
+    if (!left.has(id)) result.push(source);
     else if (k === last) result.push(...fresh.slice(next));
     else if (here.has(id))
       for (let found = false; !found && next < fresh.length; ++next) {
@@ -248,10 +236,11 @@ function write(before: Glb, changes: Glb, now: Figures, sources: Source[], bonds
     meshes.push({ ...copier.copy(glb, mesh), name: node.name! });
   }
 
-  const root = changes.json.nodes![0]!, others: GltfNode[] = [];  // uncut nodes of the mesh; a delta may omit these nodes
-  for (const index of before.json.nodes![0]!.children ?? []) {
-    const node = before.json.nodes![index]!;
-    if (fractureOf(node)) continue;
+  const root = changes.json.nodes![0]!, behind = 1 + sources.length + childNodes.length;
+  const groups = new Groups([before, changes]), others: GltfNode[] = [], held: { group: number | undefined; node: number }[] = [];
+  sources.forEach(({ node }, k) => held.push({ group: groups.above(node), node: 1 + k }));
+  for (const node of uncutNodes(before)) {  // a delta may omit these nodes
+    held.push({ group: groups.above(node), node: behind + others.length });
     if (node.mesh === undefined) {
       others.push(node);
       continue;
@@ -259,16 +248,19 @@ function write(before: Glb, changes: Glb, now: Figures, sources: Source[], bonds
     others.push({ ...node, mesh: meshes.length });
     meshes.push(copier.copy(before, before.json.meshes![node.mesh]!));
   }
-  const first = 1 + sources.length, behind = first + childNodes.length;
+  const taken = new Set([root, ...fragmentNodes, ...childNodes, ...others, ...meshes].map(each => each.name ?? ''));
+  sources.forEach((source, k) => hullsOf(source).forEach((_, hull) =>
+    taken.add(`${fragmentNodes[k]!.name}_${String(hull).padStart(names.digits, '0')}_collider`)));
+  const tree = groups.written(held, behind + others.length, taken);
   const stated = (parameters: Record<string, any>) => ({ ...parameters, delta: 'stated' });
   const json: Gltf = {
     ...changes.json,
     asset: { ...changes.json.asset, extras: { ...changes.json.asset.extras, parameters: stated(changes.json.asset.extras.parameters) } },
     extensionsUsed: [...new Set([...(before.json.extensionsUsed ?? []), ...(changes.json.extensionsUsed ?? [])])],
     nodes: [
-      { ...root, children: [...sources.map((_, k) => 1 + k), ...others.map((_, k) => behind + k)],
+      { ...root, children: tree.ofRoot,
         extras: { fracture: withPairs({ ...now, parameters: stated(now.parameters), bonds }, pairs, sources) } },
-      ...fragmentNodes, ...childNodes, ...others,
+      ...fragmentNodes, ...childNodes, ...others, ...tree.nodes,
     ],
     meshes,
   };

@@ -15,6 +15,7 @@ import unittest
 from support import Client, FaultServer, WithServer, box_obj, caught, digest, answer as http_answer, figures, main, problem, \
     small_glb
 from fracture_client import Answer, glb
+from fracture_client.groups import Groups
 from fracture_client.merge import _in_order, _Piece, merge
 
 OPENED = {"shell": 0}  # glass and pottery as solids: walls would give different answers, but not better tests
@@ -48,6 +49,38 @@ def boxes_glb():
     return glb.pack({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": list(range(9))}], "nodes": nodes,
                      "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}], "accessors": accessors,
                      "bufferViews": views}, binary)
+
+
+def house_glb():
+    """A house of unit boxes: a wall with a beam below it that touches it, another wall, and a lamp that is not in the house. The name of
+    "Wall_01" is that of a fragment of "Wall", if there are 10 to 99 fragments and the second one is of the wall."""
+    document, binary = glb.Glb(boxes_glb()).document, glb.Glb(boxes_glb()).binary
+    document["nodes"] = [
+        {"name": "House", "children": [1, 3], "translation": [0, 0, 1], "extras": {"floors": 2}},
+        {"name": "Wall", "mesh": 0, "children": [2], "scale": [3, 2, 1], "extras": {"hp": 7}},
+        {"name": "Beam", "mesh": 0, "translation": [1, 0.25, 0]},
+        {"name": "Wall_01", "mesh": 0, "translation": [9, 0, 0]},
+        {"name": "Lamp", "mesh": 0, "translation": [0, 5, 0]},
+        {"name": "socket", "translation": [0, 1, 0]}]
+    document["scenes"] = [{"nodes": [0, 4, 5]}]
+    return glb.pack(document, bytes(binary))
+
+
+def tree(answer):
+    """The names of the groups above each fragment, and above each other node that has no extras.fracture; innermost first."""
+    nodes = answer._file.document["nodes"]
+    above = {child: k for k, node in enumerate(nodes) for child in node.get("children", [])}
+
+    def groups(k):
+        names = []
+        while k in above and above[k] != 0:
+            k = above[k]
+            names.append(nodes[k]["name"])
+        return names
+
+    own = [node.get("extras", {}).get("fracture", {}) for node in nodes]
+    return {own[k].get("id", node["name"]): groups(k) for k, node in enumerate(nodes)
+            if "id" in own[k] or (not own[k] and not {"id"} & own[above.get(k, 0)].keys())}
 
 
 def bonds(answer):
@@ -144,6 +177,29 @@ class Hits(WithServer):
         self.assertEqual((empty[0]["translation"], empty[1]["extras"]), ([0, 1, 0], {"socket": True}))
         fragments = [node for node in nodes if "id" in node.get("extras", {}).get("fracture", {})]
         self.assertEqual({node["extras"]["hp"] for node in fragments}, {120})
+
+    def test_the_hierarchy_of_the_source(self):
+        mesh = self.client.put(house_glb(), format="glb")
+        for more in ({}, {"nodes": ["House"]}, {"physics": "none"}, {"ue_collision": "ucx"}, {"sites": 90}, {"parts": "apart"}):
+            with self.subTest(**more):
+                first, merged, again = self.hit_twice(mesh, 0.8, **{"sites": 24, **more})
+                for answer in (first, merged, again):
+                    known, found = answer._file.document["nodes"], tree(answer)
+                    self.assertEqual(found["socket"], [])
+                    groups = {node["extras"]["fracture"]["source"]["name"]: node for node in known
+                              if "source" in node.get("extras", {}).get("fracture", {})}
+                    self.assertEqual(groups["House"]["extras"]["floors"], 2)
+                    for fragment in answer.fragments:
+                        source = fragment.name.rpartition("_")[0]
+                        if source in ("Beam", "Lamp") and len(fragment.parts) == 1:
+                            self.assertEqual(found[fragment.id], {"Beam": ["Beam", "Wall", "House"], "Lamp": ["Lamp"]}[source])
+                    if "nodes" in more:
+                        self.assertEqual(found["Lamp"], [])
+        levels = mesh.fracture(levels=[3, 24])
+        self.assertFalse(any("source" in node.get("extras", {}).get("fracture", {}) and "id" not in node["extras"]["fracture"]
+                             for node in levels._file.document["nodes"]))
+        self.assertEqual({fragment.extras["source"]["name"] for fragment in levels.fragments if len(fragment.parts) == 1},
+                         {"Wall", "Beam", "Wall_01", "Lamp"})
 
     def test_long_names_in_other_scripts(self):
         mesh = self.client.put(box_obj(extra="o T\u00fcr_" + "\u684c\u5b50" * 20), format="obj")
@@ -268,6 +324,35 @@ class Parts(unittest.TestCase):
         before = pieces((1, 3, 0), (2, 5, 0), (3, 5, 1), (4, 8, 0), (5, 8, 0), (6, 8, 0), (9, 9, 0))
         after = pieces((3, 5, 1), (7, 8, 0), (5, 8, 0), (8, 8, 0), (1, 9, 0))
         self.assertEqual([piece.id for piece in _in_order(before, after, {1, 3, 5})], [2, 3, 4, 7, 5, 8, 6, 1, 9])
+
+    def test_groups_of_both_answers_are_written_as_the_server_does(self):
+        """Groups without content are left out, and names are those that the server gives if these names are taken."""
+        def group(index, name, children, source=None):
+            return {"name": name, "children": children, "extras": {"fracture": {"source": {"index": index, "name": source or name}}, "hp": index}}
+
+        def fragment(id):
+            return {"name": f"Cube_{id}", "extras": {"fracture": {"id": id}}}
+
+        def answer(*nodes):
+            return glb.Glb(glb.pack({"asset": {"version": "2.0"}, "nodes": list(nodes)}, b""))
+
+        # The source: 0 House {2 Cube, 3 Cube.1, 5 Lid_group}, 7 Gone.
+        before = answer({"children": [4, 6]}, fragment(0), fragment(1), {"name": "sign", "mesh": 0}, group(0, "House", [5]),
+                        group(2, "Cube", [1, 3]), group(7, "Gone", [2]))
+        delta = answer({"children": [3]}, fragment(2), fragment(3), group(0, "House_group", [4, 5], "House"),
+                       group(3, "Cube_1_group", [1], "Cube.1"), group(5, "Lid_group", [2]))
+        groups = Groups(before, delta)
+        old, new = before.document["nodes"], delta.document["nodes"]
+        self.assertEqual([groups.above(node) for node in (old[1], old[2], old[3], new[1], new[2], old[4])], [2, 7, 2, 3, 5, None])
+        for taken, names in ((set(), ["House", "Cube", "Cube_1", "Lid_group"]),
+                             ({"Cube_1", "Lid_group", "House", "House_group"}, ["House_2_group", "Cube", "Cube_1_group", "Lid_group_group"])):
+            nodes = [{}] * 5
+            self.assertEqual(groups.append_to(nodes, [(2, 1), (3, 2), (5, 3), (2, 4)], set(taken)), [5])
+            self.assertEqual(nodes[5:], [{**group(index, name, children), "extras": extras} for index, name, children, extras in (
+                (0, names[0], [6, 7, 8], old[4]["extras"]), (2, names[1], [1, 4], old[5]["extras"]), (3, names[2], [2], new[4]["extras"]),
+                (5, names[3], [3], new[5]["extras"]))])
+        nodes = [{}, {}]
+        self.assertEqual((groups.append_to(nodes, [(None, 1)], set()), nodes), ([1], [{}, {}]))
 
     def test_a_bond_that_leads_nowhere_is_refused(self):
         bond = {"a": [1], "b": [2], "area": [1], "centroid": [[0, 0, 0]], "normal": [[0, 0, 0]], "strength": [1]}

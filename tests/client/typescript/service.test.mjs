@@ -5,7 +5,7 @@ import os from 'node:os';
 import path from 'node:path';
 import { before, describe, test } from 'node:test';
 import { Admin } from '../../../client/typescript/dist/index.js';
-import { Client, Glb, noServer, png, realServer, refusal, torus, torusFile } from './support.mjs';
+import { Client, Glb, house, noServer, png, realServer, refusal, torus, torusFile } from './support.mjs';
 
 describe('the service', { skip: noServer }, () => {
   let server, client, mesh, answer;
@@ -188,6 +188,17 @@ describe('the service', { skip: noServer }, () => {
     assert.equal(carried.length > 0, !more.sheets);
     for (const { name, sheet } of carried) assert.equal(sheet.name, `${name}_sheet`);
     assert.ok(Math.abs(hit.certificate.sheet_area_out - 16) < 1e-4);
+  });
+
+  for (const more of [{}, { nodes: 'House' }, { physics: 'omi', ue_collision: 'ucx' }]) test(`a hit makes the whole, with its groups: ${JSON.stringify(more)}`, async () => {
+    const put = await client.put({ name: 'house.glb', data: house() }), first = await put.fracture({ sites: 24, ...more });
+    const hit = await first.hit([0.5, 0.5, 0.5], 0.8, { sites: 9 });
+    equal(hit, await put.fracture({ of: first.location, local_point: [0.5, 0.5, 0.5], local_sites: 9, local_radius: 0.8, delta: 'stated' }));
+    const nodes = hit.document.json.nodes, sources = nodes.flatMap(({ extras, children }) => (extras?.fracture?.source ? [[extras.fracture.source.name, children]] : []));
+    assert.deepEqual(sources.map(([name]) => name), more.nodes ? ['House', 'Wall', 'Beam'] : ['House', 'Wall', 'Beam', 'Lamp']);
+    assert.deepEqual(hit.passedThrough.map(({ name }) => name), more.nodes ? ['Lamp'] : []);
+    assert.ok(nodes[0].children.every(child => nodes[child].extras?.fracture?.id === undefined), 'all fragments are in groups');
+    for (const [name, children] of sources.slice(1)) assert.ok(children.length > 0, name);
   });
 
   test('without delta the fragments, volumes, geometry and bonds are the same', async () => {

@@ -202,6 +202,20 @@ export function torus({ radius = 1, tube = 0.4, around = 24, across = 12, materi
     for (let k = 0; k < across; ++k) lines.push(`f ${corner(i, k)} ${corner(i, k + 1)} ${corner(i + 1, k + 1)} ${corner(i + 1, k)}`);
   return `${lines.join('\n')}\n`;
 }
+/** A house that contains a wall, which contains a beam that touches it; and a lamp outside of the house. All are boxes. */
+export function house() {
+  const corners = Array.from({ length: 8 }, (_, k) => [k & 1, k >> 1 & 1, k >> 2]), sides = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+  const indices = sides.flatMap(([a, b, c, d]) => [a, b, c, a, c, d]);  // counter-clockwise from outside
+  const binary = new Uint8Array([new Float32Array(corners.flat()), new Uint16Array(indices)].flatMap(array => [...new Uint8Array(array.buffer)]));
+  return Buffer.from(packGlb({
+    asset: { version: '2.0' }, scene: 0, scenes: [{ nodes: [0, 3] }],
+    nodes: [{ name: 'House', children: [1] }, { name: 'Wall', mesh: 0, children: [2], scale: [3, 2, 1] }, { name: 'Beam', mesh: 0, translation: [1, 0.25, 0] },
+      { name: 'Lamp', mesh: 0, translation: [0, 5, 0] }],
+    meshes: [{ primitives: [{ attributes: { POSITION: 0 }, indices: 1 }] }],
+    accessors: [{ bufferView: 0, componentType: 5126, count: 8, type: 'VEC3', min: [0, 0, 0], max: [1, 1, 1] }, { bufferView: 1, componentType: 5123, count: 36, type: 'SCALAR' }],
+    bufferViews: [{ buffer: 0, byteOffset: 0, byteLength: 96 }, { buffer: 0, byteOffset: 96, byteLength: 72 }], buffers: [{ byteLength: binary.length }],
+  }, binary));
+}
 export const torusFile = { name: 'torus.obj', data: Buffer.from(torus()) };
 /** A single pixel. */
 export const png = Buffer.from('iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mNk+M9QDwADhgGAWjR9awAAAABJRU5ErkJggg==', 'base64');

@@ -7,6 +7,7 @@ import { built, Client, Glb, packGlb, refusal, FractureError, fake, answer, stor
 const { sha256Here, digestMatches } = await built('sha256.js');
 const { retryAfter } = await built('problems.js');
 const { collisionFilters } = await built('filters.js');
+const { Groups, uncutIndices } = await built('groups.js');
 
 test('SHA-256 without WebCrypto is that of OpenSSL', () => {
   for (const size of [0, 1, 3, 55, 56, 57, 63, 64, 65, 119, 120, 1000, 100_003]) {
@@ -206,6 +207,25 @@ test('a blow breaks the nearest bonds, as far as its energy goes', () => {
   // Two bodies of 2 kg, one at rest, the other at 3 m/s, stay together: 9 J become 4.5 J, and the impulse was 3 N·s.
   assert.equal(energyOf(3, 2, 2), 4.5);
   assert.equal(energyOf(6, 2, 0), 9);  // against an immovable body all energy is lost
+});
+
+test('groups of both answers are written as the server does', () => {
+  const group = (index, name, children, source = name) => ({ name, children, extras: { fracture: { source: { index, name: source } }, hp: index } });
+  const fragment = id => ({ name: `Cube_${id}`, extras: { fracture: { id } } });
+  const answer = (...nodes) => new Glb(packGlb({ asset: { version: '2.0' }, scene: 0, scenes: [{ nodes: [0] }], nodes }, new Uint8Array()));
+  // The source: 0 House {2 Cube, 3 Cube.1, 5 Lid_group}, 7 Gone.
+  const before = answer({ children: [4, 6] }, fragment(0), fragment(1), { name: 'sign', mesh: 0 }, group(0, 'House', [5]), group(2, 'Cube', [1, 3]), group(7, 'Gone', [2]));
+  const delta = answer({ children: [3] }, fragment(2), fragment(3), group(0, 'House_group', [4, 5], 'House'), group(3, 'Cube_1_group', [1], 'Cube.1'), group(5, 'Lid_group', [2]));
+  assert.deepEqual([uncutIndices(before), uncutIndices(delta)], [[3], []]);
+  const groups = new Groups([before, delta]), old = before.json.nodes, now = delta.json.nodes;
+  assert.deepEqual([old[1], old[2], old[3], now[1], now[2], old[4]].map(node => groups.above(node)), [2, 7, 2, 3, 5, undefined]);
+  const held = [{ group: 2, node: 1 }, { group: 3, node: 2 }, { group: 5, node: 3 }, { group: 2, node: 4 }];
+  for (const [taken, names] of [[[], ['House', 'Cube', 'Cube_1', 'Lid_group']],
+    [['Cube_1', 'Lid_group', 'House', 'House_group'], ['House_2_group', 'Cube', 'Cube_1_group', 'Lid_group_group']]])
+    assert.deepEqual(groups.written(held, 5, new Set(taken)), { ofRoot: [5], nodes: [
+      { ...group(0, names[0], [6, 7, 8]), extras: old[4].extras }, { ...group(2, names[1], [1, 4]), extras: old[5].extras },
+      { ...group(3, names[2], [2]), extras: now[4].extras }, { ...group(5, names[3], [3]), extras: now[5].extras }] });
+  assert.deepEqual(groups.written([{ group: undefined, node: 1 }], 2, new Set()), { nodes: [], ofRoot: [1] });
 });
 
 test('groups are what bonds still hold together', () => {

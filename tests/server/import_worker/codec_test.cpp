@@ -8,6 +8,7 @@
 
 #include "common/base/random.hpp"
 #include "common/mesh/material_library.hpp"
+#include "common/mesh/source_tree.hpp"
 #include "server/import_worker/mesh_codec.hpp"
 #include "server/import_worker/protocol.hpp"
 #include "tests/import/make_files.hpp"
@@ -35,6 +36,8 @@ Mesh full_mesh() {
   mesh.empty_nodes = {{"socket", {2, 0, 0}, {0, 2, 0}, {0, 0, 2}, {1, 2, 3}, "\"a\":1"}};
   mesh.groups = {{"house", kNoIndex}, {"wall", 0}};
   mesh.group_of_node = {1, kNoIndex};
+  mesh.source_tree = std::make_shared<const SourceTree>(
+      SourceTree{{{"house", kNoIndex, "\"floor\":1"}, {"left", 0}, {"r\xc3\xa9", kNoIndex}}, {1, 2}});
   mesh.instances = {{3, {0, 2, 0}, {-2, 0, 0}, {0, 0, 2}, {1, -0.5, 1e300}}, {}};
   mesh.triangle_color = {{{1, 2, 65535}, 1}, {}};
   MaterialLibrary library;
@@ -89,6 +92,8 @@ TEST(MeshCodec, AMeshComesBackBitForBit) {
   EXPECT_EQ(back.empty_nodes, mesh.empty_nodes);
   EXPECT_EQ(back.groups, mesh.groups);
   EXPECT_EQ(back.group_of_node, mesh.group_of_node);
+  ASSERT_TRUE(back.source_tree);
+  EXPECT_EQ(*back.source_tree, *mesh.source_tree);
   EXPECT_EQ(back.instances, mesh.instances);
   EXPECT_EQ(back.triangle_color, mesh.triangle_color);
   EXPECT_EQ(back.library->materials.dump(), mesh.library->materials.dump());
@@ -148,6 +153,24 @@ TEST(MeshCodec, EveryBrokenPromiseIsFound) {
   EXPECT_THAT(broken([](Mesh& m) { m.group_of_node[0] = 2; }), HasSubstr("names no group"));
   EXPECT_THAT(broken([](Mesh& m) { m.group_of_node.pop_back(); }), HasSubstr("group"));
   EXPECT_THAT(broken([](Mesh& m) { m.instances.pop_back(); }), HasSubstr("instance"));
+  const auto broken_tree = [&](auto&& change) {
+    return broken([&](Mesh& m) {
+      auto tree = std::make_shared<SourceTree>(*m.source_tree);
+      change(*tree);
+      m.source_tree = std::move(tree);
+    });
+  };
+  EXPECT_EQ(broken([](Mesh& m) { m.source_tree = nullptr; }), "");
+  EXPECT_THAT(broken_tree([](SourceTree& t) { t.nodes[0].parent = 0; }), HasSubstr("not in a tree"));
+  EXPECT_THAT(broken_tree([](SourceTree& t) { t.nodes[0].name = "\xff"; }), HasSubstr("UTF-8"));
+  EXPECT_THAT(broken_tree([](SourceTree& t) { t.nodes[0].extras = "}"; }), HasSubstr("not JSON"));
+  EXPECT_THAT(broken_tree([](SourceTree& t) { t.of_instance[0] = 3; }),
+              HasSubstr("not a node of the source"));
+  EXPECT_THAT(broken_tree([](SourceTree& t) { t.of_instance.pop_back(); }), HasSubstr("every instance"));
+  EXPECT_THAT(broken_tree([](SourceTree& t) {
+                for (std::uint32_t k = 2; k < 70; ++k) t.nodes.push_back({"deep", k});
+              }),
+              HasSubstr("below too many"));
   EXPECT_THAT(broken([](Mesh& m) {
                 MaterialLibrary library;
                 library.materials = {5};

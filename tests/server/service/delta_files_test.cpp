@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <map>
+#include <set>
+#include <string>
 #include <tuple>
 #include <utility>
 
@@ -78,6 +80,46 @@ std::map<std::uint64_t, std::vector<std::map<std::string, std::vector<float>>>> 
     }
   }
   return all;
+}
+
+/// The index of the group that holds each fragment, by id; -1: the root holds it.
+std::map<std::uint64_t, int> groups_of(const FractureResult& result) {
+  const json document = document_of(result), nodes = document.at("nodes");
+  const json::json_pointer id("/extras/fracture/id"), index("/extras/fracture/source/index");
+  std::map<std::uint64_t, int> groups;
+  for (const json& node : nodes) {
+    const int group = node.contains(index) && !node.contains(id) ? node.at(index).get<int>() : -1;
+    for (const json& child : node.value("children", json::array()))
+      if (const json& below = nodes.at(child.get<std::size_t>()); below.contains(id))
+        groups[below.at(id).get<std::uint64_t>()] = group;
+  }
+  return groups;
+}
+
+// A client puts the fragments of a delta into the groups that it has.
+TEST_F(HitsTest, FragmentsOfADeltaAreInTheGroupsThatTheWholeAnswerHas) {
+  const std::string boxes =
+      "o left\n" + box_obj(1) +
+      "o right\nv 2 0 0\nv 3 0 0\nv 3 1 0\nv 2 1 0\nv 2 0 1\nv 3 0 1\nv 3 1 1\nv 2 1 1\n"
+      "f 25 28 27 26\nf 29 30 31 32\nf 25 26 30 29\nf 26 27 31 30\nf 27 28 32 31\nf 28 25 29 32\n";
+  const FractureAnswer first = ask(service, boxes, {{"sites", 40}}).value();
+  json hit = {
+      {"of", address(first)}, {"local_point", {1, 0.5, 0.5}}, {"local_radius", 0.3}, {"local_sites", 8}};
+  const FractureAnswer whole = ask(service, boxes, hit).value();
+  hit["delta"] = "only";
+  const FractureAnswer changed = ask(service, boxes, hit).value();
+  const std::map<std::uint64_t, int> before = groups_of(*first.result), after = groups_of(*whole.result),
+                                     only = groups_of(*changed.result);
+  EXPECT_EQ(after.size(), fragment_ids(*whole.result).size()) << "each has one parent";
+  EXPECT_EQ(only.size(), fragment_ids(*changed.result).size());
+  EXPECT_GT(only.size(), 3u);
+  EXPECT_LT(only.size(), after.size());
+  std::set<int> groups;
+  for (const auto& [id, group] : after) {
+    groups.insert(group);
+    EXPECT_EQ(only.contains(id) ? only.at(id) : before.at(id), group) << id;
+  }
+  EXPECT_TRUE(groups.contains(0) && groups.contains(1)) << "left and right";
 }
 
 // A client shows the fragments of a delta together with those that it has.
