@@ -146,7 +146,7 @@ class Film::Program {
       return fail(ErrorCode::kNoProgram, settings.program + " cannot be started (" + std::strerror(error) +
                                              "): install it, or record into a folder of PNG files.");
     program->id_ = id;
-    // The header of glibc 2.36 declares pidfd_open() only for C.
+    // By number, because the header of glibc 2.36 declares pidfd_open for C only.
     program->process_ = Descriptor(static_cast<int>(::syscall(SYS_pidfd_open, id, 0)));
     return program;
   }
