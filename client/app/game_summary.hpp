@@ -1,4 +1,4 @@
-// What a game without a window reports at its end, as JSON.
+// The report of a game without a window at its end, as JSON.
 #pragma once
 
 #include <cstddef>

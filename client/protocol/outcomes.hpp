@@ -1,4 +1,4 @@
-// What an exchange means for its request.
+// The meaning of an exchange for its request.
 #pragma once
 
 #include <optional>

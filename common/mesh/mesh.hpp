@@ -105,7 +105,7 @@ struct Mesh {
   /// fragments. Has the same frame, node_names, instances and library. Null if there is none.
   std::shared_ptr<const Mesh> passed_through;
   Remarks remarks;  ///< what the importer changed (baked skins, …)
-  /// What the importer left out (lights, animations, …); see shorten_dropped()
+  /// Things that the importer left out (lights, animations, …); see shorten_dropped()
   std::vector<Dropped> dropped;
 };
 

@@ -1,4 +1,4 @@
-// What a hull must be: no point of the input lies outside any of its faces.
+// Checks of a hull: its corners, and that no point of the input lies outside any of its faces.
 #pragma once
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-"""What the tests of previews share: meshes, renderers that are scripts, and readers of PNG files and pages."""
+"""Support for the tests of previews: meshes, renderers that are scripts, and readers of PNG files and pages."""
 import html.parser
 import json
 import os

@@ -1,4 +1,4 @@
-// What a bake says about a server that it cannot use, before the first job.
+// The errors of a bake, before its first job, about a server that it cannot use.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
