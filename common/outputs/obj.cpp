@@ -189,8 +189,6 @@ bool write_obj(const Answer& answer, const std::string& materials, VertexColors 
   return ObjWriter(answer, colors, sink)(materials);
 }
 
-double to_srgb(double linear) {
-  return srgb_of_linear(std::clamp(linear, 0.0, 1.0));
-}
+double to_srgb(double linear) { return srgb_of_linear(std::clamp(linear, 0.0, 1.0)); }
 
 }  // namespace fracture::outputs
