@@ -6,10 +6,11 @@
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
-#include <cstdio>
 #include <cstring>
 #include <memory>
+#include <span>
 
+#include "common/base/atomic_file.hpp"
 #include "common/base/srgb.hpp"
 
 namespace fracture::render {
@@ -63,19 +64,9 @@ Expected<void> write_png(const Picture& picture, const std::string& path) {
       0)
     return fail(ErrorCode::kBadImage, "The picture for " + path + " cannot be encoded.");
 
-  const std::string temporary = path + ".tmp";
-  std::FILE* file = std::fopen(temporary.c_str(), "wb");
-  bool good = file != nullptr;
-  if (good) {
-    good = std::fwrite(png.data(), 1, png.size(), file) == png.size();
-    good = std::fclose(file) == 0 && good;
-    good = good && std::rename(temporary.c_str(), path.c_str()) == 0;
-  }
-  if (!good) {
-    const int reason = errno;
-    if (file != nullptr) std::remove(temporary.c_str());
-    return fail(ErrorCode::kFileAccess, "Cannot write " + path + ": " + std::strerror(reason) + ".");
-  }
+  // Not flushed, because a film of pictures would wait for the disk at every frame.
+  if (!write_atomically(path, std::as_bytes(std::span(png)), {.flushed = false}))
+    return fail(ErrorCode::kFileAccess, "Cannot write " + path + ": " + std::strerror(errno) + ".");
   return {};
 }
 

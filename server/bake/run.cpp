@@ -15,10 +15,10 @@
 #include <utility>
 #include <vector>
 
+#include "common/base/atomic_file.hpp"
 #include "common/base/printable.hpp"
 #include "common/gltf/report_text.hpp"
 #include "common/mesh/dropped.hpp"
-#include "server/bake/atomic_file.hpp"
 #include "server/bake/depfile.hpp"
 #include "server/bake/explain.hpp"
 #include "server/bake/failure.hpp"
@@ -119,7 +119,7 @@ class Run {
                                           .no_pictures = options_.no_pictures,
                                           .path = plan_.html},
                                          report_.lines());
-    if (!make_folders_of(plan_.html) || !write_file(plan_.html, std::as_bytes(std::span(page))))
+    if (!make_folders_of(plan_.html) || !write_atomically(plan_.html, std::as_bytes(std::span(page))))
       unwritable(plan_.html);
   }
 
