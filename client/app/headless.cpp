@@ -10,14 +10,12 @@
 #include <functional>
 #include <thread>
 
-#include "client/app/break_figures.hpp"
+#include "client/app/game_summary.hpp"
+#include "client/app/picture_taker.hpp"
 #include "client/app/players.hpp"
 #include "client/app/recorded_options.hpp"
 #include "client/app/sound_track.hpp"
-#include "client/egl/egl_context.hpp"
 #include "client/film/film.hpp"
-#include "client/render/frame_target.hpp"
-#include "client/view/scene_view.hpp"
 #include "common/base/printable.hpp"
 
 namespace fracture::app {
@@ -39,193 +37,6 @@ double processor_milliseconds() {
   return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
 }
 
-json vec3(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
-
-/// Takes pictures. Creates the context and the renderer for the first picture.
-class Recorder {
- public:
-  explicit Recorder(const Options& options) : options_(options) {}
-
-  Expected<json> take(const game::Game& game, const effects::Debris* debris, const std::string& name) {
-    constexpr int kStillSkyShadows = 32;  // pictures need not be fast
-    const Expected<view::ViewFigures> figures = draw(game, debris, kStillSkyShadows);
-    if (!figures) return tl::unexpected(figures.error());
-    const std::string path = (std::filesystem::path(options_.out) / name).string();
-    if (const auto written = write_png(target_->read(), path); !written)
-      return tl::unexpected(written.error());
-    return json{{"file", path},
-                {"draw_calls", figures->draw_calls},
-                {"shadow_draw_calls", figures->shadow_draw_calls},
-                {"submit_ms", figures->submit_ms},
-                {"culled", figures->culled}};
-  }
-
-  /// The last drawn picture.
-  render::Picture picture() const { return target_->read(); }
-
-  Expected<view::ViewFigures> draw(const game::Game& game, const effects::Debris* debris,
-                                   int sky_shadows = view::ViewSettings{}.sky_shadows) {
-    if (auto ready = prepare(); !ready) return tl::unexpected(ready.error());
-    const scenes::Scene& scene = game.scene();
-    const float aspect = static_cast<float>(options_.width) / static_cast<float>(options_.height);
-    view::ViewSettings settings;
-    settings.sky_shadows = sky_shadows;
-    settings.tier = options_.picture == render::TierWish::kHigh ? render::Tier::kHigh : render::Tier::kLow;
-    settings.debris = debris;
-    const std::vector<game::Game::Coming> coming = game.coming();
-    settings.coming = &coming;
-    const game::Moment moment = game::moment_of(game, settings.tier == render::Tier::kHigh);
-    const scenes::View from =
-        scenes::view_at(scene, static_cast<double>(moment.step) * game.world().settings().step);
-    const auto figures = view_->draw(scene, moment, view::look_at(from.eye, from.target, aspect), settings,
-                                     target_->framebuffer(), options_.width, options_.height);
-    if (!figures) return tl::unexpected(figures.error());
-    return *figures;
-  }
-
- private:
-  Expected<void> prepare() {
-    if (view_) return {};
-    auto context = egl::EglContext::create();
-    if (!context) return tl::unexpected(context.error());
-    context_ = std::make_unique<egl::EglContext>(std::move(*context));
-    auto target = render::FrameTarget::create(options_.width, options_.height);
-    if (!target) return tl::unexpected(target.error());
-    target_ = std::make_unique<render::FrameTarget>(std::move(*target));
-    auto view = view::SceneView::create();
-    if (!view) return tl::unexpected(view.error());
-    view_ = std::make_unique<view::SceneView>(std::move(*view));
-    return {};
-  }
-
-  const Options& options_;
-  std::unique_ptr<egl::EglContext> context_;
-  std::unique_ptr<render::FrameTarget> target_;
-  std::unique_ptr<view::SceneView> view_;
-};
-
-json summary_of_frames(std::vector<double> times) {
-  if (times.empty()) return json::object();
-  const json in_order = times;
-  const double worst = *std::max_element(times.begin(), times.end());
-  std::sort(times.begin(), times.end());
-  const auto at = [&](double share) {
-    return times[static_cast<std::size_t>(share * static_cast<double>(times.size() - 1))];
-  };
-  return {{"count", times.size()},
-          {"median_ms", at(0.5)},
-          {"p99_ms", at(0.99)},
-          {"worst_ms", worst},
-          {"each_ms", in_order}};
-}
-
-json ledger_of(const world::World& world) {
-  const world::Ledger& ledger = world.ledger();
-  json rest = nullptr;
-  if (ledger.asleep_since)
-    rest = world.settings().step *
-           std::max(0.0, static_cast<double>(*ledger.asleep_since) -
-                             static_cast<double>(std::max(ledger.last_swap, ledger.last_woken)));
-  return {{"brought_j", ledger.brought},
-          {"energy_j", ledger.energy},
-          {"worst_gain", ledger.brought > 0 ? ledger.worst_gain / ledger.brought : 0},
-          {"deepest_mm", 1e3 * ledger.deepest},
-          {"asleep_after_s", rest}};
-}
-
-json fragments_of(const game::Game& game) {
-  json list = json::array();
-  std::vector<world::FragmentState> states;
-  for (const game::Thing& thing : game.things()) {
-    if (!thing.fragments) {
-      const world::Pose pose = game.world().object_pose(thing.id);
-      list.push_back({{"thing", thing.id},
-                      {"position", vec3(pose.position)},
-                      {"rotation", {pose.rotation.x, pose.rotation.y, pose.rotation.z, pose.rotation.w}}});
-      continue;
-    }
-    const world::FragmentSet& set = world::fragments_of(*thing.fragments->fragments);
-    game.world().fragment_states(thing.id, states);
-    for (std::size_t k = 0; k < states.size(); ++k) {
-      if (!states[k].present) continue;
-      const world::Pose& pose = states[k].asset_to_world;
-      list.push_back({{"thing", thing.id},
-                      {"fragment", set.fragments[k].id},
-                      {"group", states[k].group},
-                      {"position", vec3(pose.point(set.fragments[k].mass.center))},
-                      {"rotation", {pose.rotation.x, pose.rotation.y, pose.rotation.z, pose.rotation.w}}});
-    }
-  }
-  return list;
-}
-
-json summary(const game::Game& game, const protocol::Client& client, const Options& options) {
-  const protocol::Status status = client.status();
-  const world::Census census = game.world().census();
-  const game::GameFigures& figures = game.figures();
-  json stages = json::object();
-  for (const protocol::StageTime& stage : status.last_stages) stages[stage.name] = stage.milliseconds;
-  json swaps = json::array();
-  for (const world::Swap& swap : game.swaps())
-    swaps.push_back({{"step", swap.step},
-                     {"object", swap.object},
-                     {"fragments", swap.fragments},
-                     {"groups", swap.groups},
-                     {"broken_bonds", swap.broken_bonds},
-                     {"held", swap.held},
-                     {"mass", swap.before.mass},
-                     {"linear_before", vec3(swap.before.linear)},
-                     {"linear_after", vec3(swap.after.linear)},
-                     {"angular_before", vec3(swap.before.angular)},
-                     {"angular_after", vec3(swap.after.angular)}});
-  char fingerprint[20];
-  std::snprintf(fingerprint, sizeof fingerprint, "%016llx",
-                static_cast<unsigned long long>(game.world().fingerprint()));
-  return {{"scene", game.scene().name},
-          {"seed", options.seed},
-          {"steps", game.world().steps()},
-          {"fingerprint", fingerprint},
-          {"warnings", game.scene().warnings},
-          {"server",
-           {{"state", name(status.state)},
-            {"trouble", status.last_trouble},
-            {"answered", status.answered},
-            {"failed", status.failed},
-            {"retried", status.retried},
-            {"connections", status.connections_made},
-            {"p50_ms", status.p50_ms},
-            {"p99_ms", status.p99_ms},
-            {"stages_ms", stages}}},
-          {"game",
-           {{"requests", figures.requests},
-            {"answers", figures.answers},
-            {"failures", figures.failures},
-            {"swaps", figures.swaps},
-            {"secondary", figures.secondary},
-            {"hits", {{"applied", figures.hits}, {"too_late", figures.too_late}}},
-            {"held_polls", figures.held_steps},
-            {"open_requests", game.open_requests()},
-            {"meshes_stored", game.meshes_stored()},
-            {"trouble", figures.last_trouble},
-            {"diverged", figures.diverged ? json(*figures.diverged) : json()},
-            {"worst_momentum_error", figures.worst_momentum_error}}},
-          {"bodies",
-           {{"all", census.bodies},
-            {"moving", census.moving},
-            {"whole", census.whole},
-            {"groups", census.groups},
-            {"fragments", census.fragments},
-            {"bonds", census.bonds},
-            {"balls", census.balls},
-            {"faded", census.faded},
-            {"fastest", census.fastest},
-            {"lowest", census.lowest}}},
-          {"breaks", break_figures(game)},
-          {"ledger", ledger_of(game.world())},
-          {"swaps", swaps},
-          {"fragments", fragments_of(game)}};
-}
-
 game::GameSettings settings_of(const Options& options) {
   game::GameSettings settings;
   settings.seed = options.seed;
@@ -238,33 +49,6 @@ game::GameSettings settings_of(const Options& options) {
   return settings;
 }
 
-/// Frame times of a run, in milliseconds.
-class FrameTimes {
- public:
-  void add(double spent, bool swapped, bool waits) {
-    all_.push_back(spent);
-    if (swapped)
-      add_to(swapping_, first_swap_, spent);
-    else if (waits)
-      add_to(waiting_, first_wait_, spent);
-  }
-  void write_to(json& result) && {
-    result["frames"] = summary_of_frames(std::move(all_));
-    result["waiting_frames"] = summary_of_frames(std::move(waiting_));
-    result["swap_frames"] = summary_of_frames(std::move(swapping_));
-    result["waiting_frames"]["first"] = first_wait_;
-    result["swap_frames"]["first"] = first_swap_;
-  }
-
- private:
-  void add_to(std::vector<double>& times, std::size_t& first, double spent) const {
-    if (times.empty()) first = all_.size() - 1;
-    times.push_back(spent);
-  }
-  std::vector<double> all_, swapping_, waiting_;
-  std::size_t first_swap_ = 0, first_wait_ = 0;
-};
-
 /// A game without a window, from its first frame to the summary.
 class HeadlessRun {
  public:
@@ -274,7 +58,7 @@ class HeadlessRun {
         settings_(std::move(settings)),
         players_(std::move(players)),
         game_(std::move(scene), client_, settings_),
-        recorder_(options),
+        picture_taker_(options),
         debris_(options.seed),
         screenshots_(options.screenshots),
         frame_length_(kStepsPerFrame * settings_.world.step) {
@@ -285,7 +69,8 @@ class HeadlessRun {
 
   Expected<json> run() {
     if (options_.draw)  // compiles shaders and uploads the scene, so that no frame pays for it
-      if (const auto drawn = recorder_.draw(game_, debris()); !drawn) return tl::unexpected(drawn.error());
+      if (const auto drawn = picture_taker_.draw(game_, debris()); !drawn)
+        return tl::unexpected(drawn.error());
     if (!options_.wav.empty()) {
       Expected<SoundTrack> track = SoundTrack::create(options_.wav, game_.scene());
       if (!track) return tl::unexpected(track.error());
@@ -360,14 +145,14 @@ class HeadlessRun {
       char file[64];
       std::snprintf(file, sizeof file, "%s-%.2f.png", game_.scene().name.c_str(),
                     screenshots_[next_picture_]);
-      Expected<json> picture = recorder_.take(game_, debris(), file);
+      Expected<json> picture = picture_taker_.take(game_, debris(), file);
       if (!picture) return tl::unexpected(picture.error());
       (*picture)["seconds"] = screenshots_[next_picture_];
       pictures_.push_back(std::move(*picture));
     }
     if (!film_) return {};
-    if (const auto drawn = recorder_.draw(game_, debris()); !drawn) return tl::unexpected(drawn.error());
-    return film_->add(recorder_.picture());
+    if (const auto drawn = picture_taker_.draw(game_, debris()); !drawn) return tl::unexpected(drawn.error());
+    return film_->add(picture_taker_.picture());
   }
 
   /// Waits for the answers that are due, so that a run is the same on every machine. Returns milliseconds
@@ -456,7 +241,7 @@ class HeadlessRun {
   const effects::Debris* debris() const { return options_.effects ? &debris_ : nullptr; }
 
   Expected<double> draw() {
-    const auto drawn = recorder_.draw(game_, debris());
+    const auto drawn = picture_taker_.draw(game_, debris());
     if (!drawn) return tl::unexpected(drawn.error());
     submit_times_.push_back(drawn->submit_ms);
     most_draw_calls_ = std::max(most_draw_calls_, drawn->draw_calls);
@@ -488,7 +273,7 @@ class HeadlessRun {
   Players players_;
   game::Game game_;
   std::optional<game::Lockstep> lockstep_;  ///< in a game for two
-  Recorder recorder_;
+  PictureTaker picture_taker_;
   std::optional<SoundTrack> sound_;
   std::optional<film::Film> film_;
   effects::Debris debris_;

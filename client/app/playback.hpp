@@ -38,8 +38,8 @@ class Playback {
  private:
   void reach(const Snapshot& snapshot);
 
-  std::deque<std::shared_ptr<const Snapshot>>
-      ahead_;            // the last snapshot that the playhead has passed, and later ones
+  // The last snapshot that the playhead has passed, and later ones
+  std::deque<std::shared_ptr<const Snapshot>> ahead_;
   double playhead_ = 0;  // on the clock of Snapshot::due
   game::Moment shown_;
   effects::Debris debris_;

@@ -9,7 +9,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <functional>
-#include <future>
+#include <optional>
 #include <utility>
 
 #include "client/app/background.hpp"
@@ -21,6 +21,7 @@
 #include "client/app/panel.hpp"
 #include "client/app/played_game.hpp"
 #include "client/app/recorded_options.hpp"
+#include "client/app/scene_loader.hpp"
 #include "client/app/scene_menu.hpp"
 #include "client/app/sound_track.hpp"
 #include "client/app/window_picture.hpp"
@@ -94,16 +95,10 @@ class Session {
   }
 
  private:
-  using Loaded = Expected<scenes::Scene>;
+  // -- scenes
 
-  // -- scenes: read on another thread, because some take longer than a frame
-
-  void load(std::function<Loaded()> make) {
-    // Drops the scene that is still loading, and waits for its end in the background.
-    if (loading_.valid())
-      background_.run(
-          [overtaken = std::make_shared<std::future<Loaded>>(std::move(loading_))] { overtaken->wait(); });
-    loading_ = std::async(std::launch::async, std::move(make));
+  void load(std::function<SceneLoader::Loaded()> make) {
+    loader_.begin(std::move(make));
     state_.loading = true;
   }
   void load_scene(const std::string& name) {
@@ -122,8 +117,9 @@ class Session {
   }
 
   void take_loaded() {
-    if (!loading_.valid() || loading_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
-    Loaded scene = loading_.get();
+    std::optional<SceneLoader::Loaded> loaded = loader_.take();
+    if (!loaded) return;
+    SceneLoader::Loaded& scene = *loaded;
     state_.loading = false;
     if (!scene) {
       note(scene.error().detail);
@@ -362,7 +358,7 @@ class Session {
   std::unique_ptr<SceneMenu> menu_;        ///< created when first opened
   PanelState state_;
   Clock::time_point note_until_{};
-  std::future<Loaded> loading_;
+  SceneLoader loader_{background_};
   bool look_always_ = false;
   int screenshots_ = 0, saved_ = 0;
 };

@@ -1,15 +1,12 @@
 #include "client/film/film.hpp"
 
 #include <fcntl.h>
-#include <poll.h>
 #include <signal.h>
-#include <spawn.h>
 #include <sys/socket.h>
 #include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <atomic>
 #include <cerrno>
 #include <cstdio>
@@ -18,43 +15,14 @@
 #include <utility>
 #include <vector>
 
-extern char** environ;  // POSIX: the environment that the program inherits
+#include "common/base/descriptor.hpp"
+#include "common/base/spawn.hpp"
+#include "common/base/wait_for.hpp"
 
 namespace fracture::film {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-/// A file descriptor that closes itself.
-class Descriptor {
- public:
-  explicit Descriptor(int number = -1) : number_(number) {}
-  Descriptor(Descriptor&& other) noexcept : number_(std::exchange(other.number_, -1)) {}
-  Descriptor& operator=(Descriptor&& other) noexcept {
-    std::swap(number_, other.number_);
-    return *this;
-  }
-  ~Descriptor() { close(); }
-  void close() {
-    if (number_ >= 0) ::close(number_);
-    number_ = -1;
-  }
-  int get() const { return number_; }
-
- private:
-  int number_;
-};
-
-/// Waits for an event. Returns false on a timeout.
-bool wait_for(int descriptor, short events, Clock::time_point end) {
-  for (;;) {
-    const auto left = std::chrono::ceil<std::chrono::milliseconds>(end - Clock::now());
-    pollfd entry{descriptor, events, 0};
-    const int ready = ::poll(&entry, 1, static_cast<int>(std::max<std::int64_t>(left.count(), 0)));
-    if (ready > 0) return true;
-    if (ready == 0 || errno != EINTR) return false;
-  }
-}
 
 /// The file extension of a film, or null if the path is not a film.
 const char* ending_of(const std::string& path) {
@@ -129,24 +97,17 @@ class Film::Program {
     if (program->said_ == nullptr)
       return fail(ErrorCode::kNoProgram,
                   "Cannot create a file for the output of " + settings.program + ": " + std::strerror(errno));
-    std::vector<std::string> list = arguments(path, settings);
-    std::vector<char*> pointers;
-    for (std::string& text : list) pointers.push_back(text.data());
-    pointers.push_back(nullptr);
-    posix_spawn_file_actions_t actions;
-    ::posix_spawn_file_actions_init(&actions);
-    ::posix_spawn_file_actions_adddup2(&actions, theirs.get(), 0);
-    ::posix_spawn_file_actions_addopen(&actions, 1, "/dev/null", O_WRONLY, 0);
-    ::posix_spawn_file_actions_adddup2(&actions, ::fileno(program->said_), 2);
+    Spawn spawn;
+    spawn.give(theirs.get(), STDIN_FILENO);
+    spawn.open(STDOUT_FILENO, "/dev/null", O_WRONLY);
+    spawn.give(::fileno(program->said_), STDERR_FILENO);
     pid_t id = -1;
-    const int error =
-        ::posix_spawnp(&id, settings.program.c_str(), &actions, nullptr, pointers.data(), environ);
-    ::posix_spawn_file_actions_destroy(&actions);
+    const int error = spawn.start(settings.program, arguments(path, settings), nullptr, id);
     if (error != 0)
       return fail(ErrorCode::kNoProgram, settings.program + " cannot be started (" + std::strerror(error) +
                                              "): install it, or record into a folder of PNG files.");
     program->id_ = id;
-    // The header of glibc 2.36 declares pidfd_open() only for C.
+    // By number, because the header of glibc 2.36 declares pidfd_open for C only.
     program->process_ = Descriptor(static_cast<int>(::syscall(SYS_pidfd_open, id, 0)));
     return program;
   }
@@ -154,7 +115,7 @@ class Film::Program {
   ~Program() {
     if (id_ > 0) {
       ::kill(id_, SIGKILL);
-      ::waitpid(id_, nullptr, 0);  // returns, because the process was killed
+      wait_for_end(id_);
     }
     if (said_ != nullptr) std::fclose(said_);
   }
@@ -168,7 +129,7 @@ class Film::Program {
         next += sent;
         count -= static_cast<std::size_t>(sent);
       } else if (errno == EAGAIN || errno == EWOULDBLOCK) {
-        if (!wait_for(ours_.get(), POLLOUT, end)) return gone("accepts no more pictures");
+        if (wait_for(ours_.get(), POLLOUT, end) == 0) return gone("accepts no more pictures");
       } else if (errno != EINTR) {
         return gone("has ended");
       }
@@ -177,8 +138,8 @@ class Film::Program {
   }
 
   Expected<void> finish() {
-    ours_.close();  // ends the program's input
-    if (!wait_for(process_.get(), POLLIN, Clock::now() + settings_.patience)) return gone("does not end");
+    ours_.reset();  // ends the program's input
+    if (wait_for(process_.get(), POLLIN, Clock::now() + settings_.patience) == 0) return gone("does not end");
     int status = 0;
     ::waitpid(id_, &status, 0);
     id_ = -1;

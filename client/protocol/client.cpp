@@ -9,12 +9,12 @@
 #include <optional>
 #include <thread>
 
+#include "client/protocol/outcomes.hpp"
 #include "common/base/error.hpp"
 #include "common/base/json_text.hpp"
 #include "common/exchange/backoff.hpp"
 #include "common/exchange/connection_pool.hpp"
 #include "common/exchange/headers.hpp"
-#include "common/exchange/problem_document.hpp"
 #include "common/exchange/stored_meshes.hpp"
 
 namespace fracture::protocol {
@@ -39,31 +39,6 @@ struct Job {
   Interruption interruption;
 };
 
-/// The exchange's outcome as the failure of its request, if it is not retried.
-Failure failure_of(Outcome outcome) {
-  switch (outcome) {
-    case Outcome::kAnswered:
-      return Failure::kNone;
-    case Outcome::kNoServer:
-    case Outcome::kBroken:
-      return Failure::kServerAbsent;
-    case Outcome::kTimedOut:
-      return Failure::kTimedOut;
-    case Outcome::kTooLarge:
-      return Failure::kTooLarge;
-    case Outcome::kInterrupted:
-      return Failure::kCancelled;
-  }
-  return Failure::kCancelled;
-}
-
-/// Takes the texts of the problem document, if the body is one.
-void read_problem(const Exchange& exchange, Answer& answer) {
-  ProblemDocument problem = problem_in(exchange);
-  answer.problem = problem.slug();
-  answer.detail = std::move(problem.detail);
-}
-
 ConnectionSettings connections_of(const Settings& s) {
   return {.host = s.host,
           .port = s.port,
@@ -75,8 +50,6 @@ ConnectionSettings connections_of(const Settings& s) {
           .idle = s.idle,
           .max_answer_bytes = s.max_answer_bytes};
 }
-
-bool is_json(const std::string& body) { return nlohmann::json::accept(body); }
 
 }  // namespace
 
@@ -174,19 +147,6 @@ struct Client::State {
         break;
     }
     co_return exchange;
-  }
-
-  /// kDamagedAnswer if the answer is not of the requested kind.
-  static std::optional<Error> damage(RequestKind kind, const Exchange& exchange) {
-    const auto damaged = [](const char* how) { return Error{ErrorCode::kDamagedAnswer, how}; };
-    if (kind != RequestKind::kFracture && !is_json(exchange.body))
-      return damaged("The response is not JSON.");
-    if (kind != RequestKind::kFracture) return std::nullopt;
-    if (exchange.repr_digest.empty())
-      return damaged("The answer has no Repr-Digest, so it cannot be checked.");
-    if (!digest_matches(exchange.repr_digest, exchange.body))
-      return damaged("The bytes of the answer do not match its Repr-Digest: they were changed in transit.");
-    return std::nullopt;
   }
 
   asio::awaitable<Answer> run(Job& job) {

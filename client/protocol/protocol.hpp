@@ -59,8 +59,8 @@ struct Answer {
   std::string problem;  ///< last segment of a problem's type: "bad-parameter"
   std::string detail;   ///< for people; empty on success
   std::string body;     ///< GLB or JSON; its digest has been checked
-  std::string
-      location;  ///< Content-Location of fragments: "/fractures/sha256:…", for `of` in a later request
+  /// Content-Location of fragments: "/fractures/sha256:…", for `of` in a later request
+  std::string location;
   std::vector<StageTime> server_timing;
   double milliseconds = 0;  ///< from the call to the last byte, including all retries
   int exchanges = 0;        ///< number of HTTP requests sent

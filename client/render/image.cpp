@@ -6,26 +6,26 @@
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
-#include <cstdio>
 #include <cstring>
 #include <memory>
+#include <span>
+
+#include "common/base/atomic_file.hpp"
+#include "common/base/srgb.hpp"
 
 namespace fracture::render {
 namespace {
 
-/// Table from a byte to linear light (IEC 61966-2-1).
+/// Table from a byte to linear light.
 std::array<float, 256> linear_table() {
   std::array<float, 256> table{};
-  for (std::size_t k = 0; k < table.size(); ++k) {
-    const double c = static_cast<double>(k) / 255.0;
-    table[k] = static_cast<float>(c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4));
-  }
+  for (std::size_t k = 0; k < table.size(); ++k)
+    table[k] = static_cast<float>(linear_of_srgb(static_cast<double>(k) / 255.0));
   return table;
 }
 
 std::uint8_t srgb_byte(float linear) {
-  const double c = linear <= 0.0031308f ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
-  return static_cast<std::uint8_t>(std::lround(255.0 * std::clamp(c, 0.0, 1.0)));
+  return static_cast<std::uint8_t>(std::lround(255.0 * std::clamp(srgb_of_linear(linear), 0.0, 1.0)));
 }
 
 }  // namespace
@@ -64,19 +64,9 @@ Expected<void> write_png(const Picture& picture, const std::string& path) {
       0)
     return fail(ErrorCode::kBadImage, "The picture for " + path + " cannot be encoded.");
 
-  const std::string temporary = path + ".tmp";
-  std::FILE* file = std::fopen(temporary.c_str(), "wb");
-  bool good = file != nullptr;
-  if (good) {
-    good = std::fwrite(png.data(), 1, png.size(), file) == png.size();
-    good = std::fclose(file) == 0 && good;
-    good = good && std::rename(temporary.c_str(), path.c_str()) == 0;
-  }
-  if (!good) {
-    const int reason = errno;
-    if (file != nullptr) std::remove(temporary.c_str());
-    return fail(ErrorCode::kFileAccess, "Cannot write " + path + ": " + std::strerror(reason) + ".");
-  }
+  // Not flushed, because a film of pictures would wait for the disk at every frame.
+  if (!write_atomically(path, std::as_bytes(std::span(png)), {.flushed = false}))
+    return fail(ErrorCode::kFileAccess, "Cannot write " + path + ": " + std::strerror(errno) + ".");
   return {};
 }
 

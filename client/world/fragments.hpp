@@ -51,8 +51,8 @@ struct FragmentChange {
   struct End {
     std::uint64_t a = 0, b = 0;  ///< ids, possibly of fragments that the hit did not change
   };
-  std::vector<Bond>
-      bonds;  ///< of these fragments, with one another and with unchanged ones; `a` and `b` are not set
+  /// The bonds of these fragments with one another and with unchanged ones; `a` and `b` are not set
+  std::vector<Bond> bonds;
   std::vector<End> ends;  ///< of each bond, in the same order
 };
 

@@ -41,8 +41,8 @@ class GroundPair final : public btCollisionAlgorithm {
   void meet(const btCollisionObjectWrapper& hull, const btCollisionObjectWrapper& plane, btScalar step,
             btPersistentManifold*& manifold);
 
-  std::vector<btPersistentManifold*>
-      manifolds_;  ///< between the body and the plane, one per hull; null: not created yet
+  /// Between the body and the plane, one per hull; null: not created yet
+  std::vector<btPersistentManifold*> manifolds_;
 };
 
 }  // namespace fracture::world

@@ -1,5 +1,5 @@
-// Tells a computation whether its result is still wanted. The server uses a std::stop_token, and the browser
-// module a flag; code in common/ only reads it.
+// Tells a computation whether its result is still wanted. A caller passes its std::stop_token or a type of its own;
+// code in common/ only reads it.
 #pragma once
 
 #include <concepts>

@@ -23,8 +23,8 @@ struct CapRegion {
 
 struct Caps {
   std::vector<CapRegion> regions;  ///< by (lo, hi, part)
-  std::vector<std::array<CutVertexId, 3>>
-      triangles;               ///< as seen from cell hi: outward for lo; cell hi uses them mirrored
+  /// As seen from cell hi: outward for lo; cell hi uses them mirrored
+  std::vector<std::array<CutVertexId, 3>> triangles;
   std::uint64_t crossing = 0;  ///< loops that could not be nested (0 for an embedded surface)
   /// For rough caps (rough/roughen.hpp): the unit normal of each triangle corner, outward for lo. Empty if
   /// the caps are flat.

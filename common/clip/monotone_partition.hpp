@@ -18,8 +18,8 @@ struct Partition {
   std::span<const std::uint32_t> ring(std::size_t r) const {
     return {ring_points.data() + ring_begin[r], ring_begin[r + 1] - ring_begin[r]};
   }
-  std::vector<std::uint32_t>
-      ring_loop;  ///< a representative input loop: equal for all rings of one connected region
+  /// A representative input loop: equal for all rings of one connected region
+  std::vector<std::uint32_t> ring_loop;
   std::vector<std::uint32_t> unnested;  ///< clockwise loops without an outer ring
   /// Number of crossings, beyond rounding errors, of edges that were neighbours in the sweep. Counted only if
   /// there are at least kManyPoints points.

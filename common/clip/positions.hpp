@@ -29,8 +29,8 @@ struct VertexPositions {
   SeamLattice lattice;
   CutVertexId first_constructed{0};  ///< = number of mesh vertices
   std::vector<Vec3d> points;         ///< of vertex first_constructed + k, not rounded to the lattice
-  std::vector<std::array<std::int32_t, 3>>
-      steps;  ///< of vertex first_constructed + k, in units of the lattice
+  /// The place of vertex first_constructed + k, in units of the lattice
+  std::vector<std::array<std::int32_t, 3>> steps;
   /// For rough cuts (rough/roughen.hpp): the original values of the first `steps`, before anything moved;
   /// otherwise empty.
   std::vector<std::array<std::int32_t, 3>> flat_steps{};

@@ -148,8 +148,8 @@ class Linker {
   const std::vector<std::uint32_t>& corners_;
   // Indices into corners_:
   std::vector<std::uint32_t> next_, prev_;
-  std::vector<std::uint32_t>
-      leave_;  // the edge that arrives here continues with the one that leaves from there
+  // The edge that arrives here continues with the one that leaves from there
+  std::vector<std::uint32_t> leave_;
   std::vector<Ray> rays_, around_;
 };
 

@@ -32,8 +32,8 @@ inline std::int64_t orient2d(const LatticePoint& a, const LatticePoint& b, const
 }
 
 struct Triangulation {
-  std::vector<std::array<std::uint32_t, 3>>
-      triangles;                      ///< indices of points, counter-clockwise unless degenerate
+  /// Indices of points, counter-clockwise unless degenerate
+  std::vector<std::array<std::uint32_t, 3>> triangles;
   std::vector<std::uint32_t> region;  ///< per triangle: id, from 0, of its region (a ring with its holes)
   std::uint32_t regions = 0;
   /// Number of rings that should be holes (clockwise) but are in no outer ring. Each is a region by itself,

@@ -362,8 +362,8 @@ class WindingTraversal {
   std::vector<std::uint32_t> crossed_;  // per facet of each tetrahedron: index of its CrossedEdge
   States states_;
   std::vector<Inside> beyond_;
-  std::vector<std::size_t>
-      name_begin_;  // per tetrahedron: its range in names_, with one name per layer of its state
+  // Per tetrahedron: its range in names_, with one name per layer of its state
+  std::vector<std::size_t> name_begin_;
   std::vector<CutVertexId> names_;
   Winding out_;
 };

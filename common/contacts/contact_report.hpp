@@ -18,8 +18,8 @@ struct ContactReport {
   std::uint64_t touching = 0, overlapping = 0;  ///< numbers of contacts of each kind
   double area = 0;                              ///< m², sum over all contacts
   double volume = 0;  ///< m³ that pairs of parts have in common; space in three parts counts three times
-  std::vector<Contact>
-      listed{};  ///< the kMostListedContacts with the largest areas, largest first; ties by a and b
+  /// The kMostListedContacts with the largest areas, largest first; ties by a and b
+  std::vector<Contact> listed{};
   bool operator==(const ContactReport&) const = default;
 };
 

@@ -21,8 +21,8 @@ struct Sheets;  // solid/solid.hpp
 
 /// Triangles of one fragment with one material: a range of Fragment::indices.
 struct FragmentPrimitive {
-  std::uint32_t
-      material;  ///< index into the source's materials, kNoIndex (none), or one of solid/cut_materials.hpp
+  /// Index into the source's materials, kNoIndex (none), or one of solid/cut_materials.hpp
+  std::uint32_t material;
   std::uint32_t first_index, index_count;
   std::uint32_t part =
       kNoIndex;  ///< part of this cut or cavity wall, if the fragment has pieces of several parts
@@ -80,11 +80,11 @@ struct Fragment {
   Vec3d center;
   Vec3d pivot;  ///< node translation: a multiple of the seam lattice's step on each axis, exact in float
   std::vector<Vec3f> positions;  ///< local: float32(world - pivot), exact for constructed vertices
-  Attributes
-      attributes;  ///< per vertex, same arrays as the source's (interior vertices: own normals and UVs)
+  /// Per vertex, same arrays as the source's (interior vertices: own normals and UVs)
+  Attributes attributes;
   std::vector<std::uint32_t> indices;  ///< 3 per triangle, counter-clockwise from outside
-  std::vector<FragmentPrimitive>
-      primitives;  ///< exterior ones in material order, then the interior, then the mortar
+  /// Exterior ones in material order, then the interior, then the mortar
+  std::vector<FragmentPrimitive> primitives;
   /// Per vertex: index of the first vertex with the same position key, or with the same copy of it
   /// (repeated_edges.hpp). It connects vertices across attribute seams. Between these vertices, each edge
   /// is used exactly once in each direction.

@@ -64,8 +64,8 @@ std::uint64_t mirror_sum(const Fragment& f, const Execution& execution) {
 
 std::vector<std::uint32_t> unmirrored(const std::vector<Fragment>& fragments, std::uint64_t& count) {
   struct Entry {
-    std::array<Place, 3>
-        corners;  // starting at the least, in the direction in which the second is less than the third
+    // Starting at the least, in the direction in which the second is less than the third
+    std::array<Place, 3> corners;
     bool turned;
     std::uint32_t fragment;
   };

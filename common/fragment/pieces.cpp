@@ -24,8 +24,8 @@ Ownership Ownership::from_groups(std::uint32_t site_count, const std::vector<std
     }
     return o;
   }
-  std::vector<std::pair<std::uint32_t, SiteId>>
-      by_group;  // (group, site), so that a group's first site is its smallest
+  // (group, site), so that a group's first site is its smallest
+  std::vector<std::pair<std::uint32_t, SiteId>> by_group;
   for (const SiteId s : ids<SiteId>(site_count)) by_group.emplace_back(groups[s], s);
   sort_with_polls(execution, by_group.begin(), by_group.end());
   std::vector<SiteId> first_of(site_count);

@@ -22,10 +22,10 @@ struct PieceContact {
 };
 /// The contacts that hold pieces of different parts together (pipeline/part_contacts.hpp).
 struct PartContacts {
-  std::vector<PieceContact>
-      pieces;  ///< each pair once; pieces that overlap in a cell without a bond have area 0
-  std::vector<std::uint32_t>
-      group_of_part;  ///< per part: the group of parts that hold together, numbered from 0
+  /// Each pair once; pieces that overlap in a cell without a bond have area 0
+  std::vector<PieceContact> pieces;
+  /// Per part: the group of parts that hold together, numbered from 0
+  std::vector<std::uint32_t> group_of_part;
   /// Per part: the instance that stays whole and contains it, or kNoIndex. Empty: none stays whole. `pieces` has no contacts of
   /// these parts.
   std::vector<std::uint32_t> whole{};

@@ -90,16 +90,16 @@ struct Mesh {
   std::vector<std::uint32_t> node;      ///< per triangle: index into node_names
   std::vector<std::string> node_names;  ///< mesh instances of the source, UTF-8, possibly repeated
   std::vector<NodeGroup> groups{};      ///< parents come before their children
-  std::vector<std::uint32_t>
-      group_of_node{};                    ///< per node: its innermost group, or kNoIndex; empty: no groups
+  /// Per node: its innermost group, or kNoIndex; empty: no groups
+  std::vector<std::uint32_t> group_of_node{};
   std::vector<MeshInstance> instances{};  ///< one for each of node_names; empty: none is known
   /// Per node: the members of its extras, as JSON text without the braces ("\"hp\":120"); an empty text: none. Empty: no node
   /// has any. Without the members `fracture`, `intact` and `whole`, which answers write themselves.
   std::vector<std::string> node_extras{};
   std::vector<EmptyNode> empty_nodes{};
   std::shared_ptr<const SourceTree> source_tree{};  ///< null: the nodes of the source are not in a tree
-  std::vector<SurfaceColor>
-      triangle_color;  ///< per triangle (surface_color/surface_colors.hpp); empty: none is known
+  /// Per triangle (surface_color/surface_colors.hpp); empty: none is known
+  std::vector<SurfaceColor> triangle_color;
   std::shared_ptr<const MaterialLibrary> library = empty_library();
   std::vector<GivenHull> given_hulls{};  ///< see mesh/proxies.hpp; none until take_proxies()
   std::string copyright;                 ///< asset.copyright of the source, copied to the output
@@ -107,8 +107,8 @@ struct Mesh {
   /// fragments. Has the same frame, node_names, instances and library. Null if there is none.
   std::shared_ptr<const Mesh> passed_through;
   Remarks remarks;  ///< what the importer changed (baked skins, …)
-  std::vector<Dropped>
-      dropped;  ///< what the importer left out (lights, animations, …); see shorten_dropped()
+  /// Things that the importer left out (lights, animations, …); see shorten_dropped()
+  std::vector<Dropped> dropped;
 };
 
 }  // namespace fracture

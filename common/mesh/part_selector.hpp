@@ -15,8 +15,8 @@ namespace fracture {
 /// Chooses parts of a solid. Each list that is not empty must have an entry that matches the part.
 struct PartSelector {
   std::vector<std::string> nodes{};  ///< entries for SceneNames::mark_nodes()
-  std::vector<std::string>
-      slots{};  ///< for SceneNames::mark_slots(). The material on most of a part's surface decides
+  /// For SceneNames::mark_slots(). The material on most of a part's surface decides
+  std::vector<std::string> slots{};
   std::vector<std::uint32_t> parts{};  ///< indices into Solid::parts
   bool empty() const { return nodes.empty() && slots.empty() && parts.empty(); }
   friend bool operator==(const PartSelector&, const PartSelector&) = default;

@@ -74,8 +74,8 @@ struct Object {
   std::optional<std::uint64_t> id;  ///< for a fragment: extras.fracture.id; none: another object
   bool carried = false;             ///< sheets of the fragment before it
   Vec3f place;                      ///< translation of the node below the root, added to its positions
-  std::optional<Similarity>
-      turned{};  ///< of the node of an instance: rotation, scale and translation; none: only `place`
+  /// Rotation, scale and translation of the node of an instance; none: only `place`
+  std::optional<Similarity> turned{};
   Floats positions, normals, colors;
   std::vector<Floats> uvs;
   std::vector<Primitive> primitives;

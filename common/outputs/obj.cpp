@@ -5,6 +5,7 @@
 #include <map>
 #include <unordered_map>
 
+#include "common/base/srgb.hpp"
 #include "common/outputs/outputs.hpp"
 
 namespace fracture::outputs {
@@ -188,9 +189,6 @@ bool write_obj(const Answer& answer, const std::string& materials, VertexColors 
   return ObjWriter(answer, colors, sink)(materials);
 }
 
-double to_srgb(double linear) {
-  const double c = std::clamp(linear, 0.0, 1.0);
-  return c <= 0.0031308 ? 12.92 * c : 1.055 * std::pow(c, 1 / 2.4) - 0.055;
-}
+double to_srgb(double linear) { return srgb_of_linear(std::clamp(linear, 0.0, 1.0)); }
 
 }  // namespace fracture::outputs

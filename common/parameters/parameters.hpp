@@ -76,9 +76,9 @@ struct RequestParameters {
   ExteriorLook exterior;
   std::string interior_color;  ///< as given, when interior.color is set
   std::string mortar;          ///< as given, when interior.mortar is set
-  std::vector<Assignment>
-      assign{};                ///< in the order of the request; also in fracture.assigned and hollow.by_part
-  std::optional<double> mass;  ///< kg, of all fragments; if given, it determines the density
+  /// In the order of the request; also in fracture.assigned and hollow.by_part
+  std::vector<Assignment> assign{};
+  std::optional<double> mass;        ///< kg, of all fragments; if given, it determines the density
   std::optional<MeshFormat> format;  ///< as given by `format=`; empty if absent
 };
 

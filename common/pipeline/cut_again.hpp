@@ -20,8 +20,8 @@ namespace fracture {
 struct PiecesOfFragment {
   std::vector<KeptFragment> pieces;
   std::vector<char> is_rest;  ///< per piece: whether a guard's cell is part of it
-  std::vector<std::uint64_t>
-      names;  ///< per piece: a number that depends on its sites of the hit and its parts
+  /// Per piece: a number that depends on its sites of the hit and its parts
+  std::vector<std::uint64_t> names;
   /// Per piece: its triangles that the fragment had as cuts already, and that another fragment has mirrored.
   std::vector<std::vector<IndexRange>> earlier_caps;
   std::vector<Bond> bonds;  ///< between the pieces

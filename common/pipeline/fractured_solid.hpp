@@ -53,11 +53,11 @@ struct InstancedBodies {
   };
   std::vector<Fragment> shapes;      ///< local positions; bits of the largest instance
   std::vector<FragmentHulls> hulls;  ///< of the shapes; empty without hulls
-  std::vector<std::uint32_t>
-      numbers;  ///< per shape: its number, which hits do not change (`shape` in the file)
+  /// Per shape: its number, which hits do not change (`shape` in the file)
+  std::vector<std::uint32_t> numbers;
   std::vector<Body> bodies;
-  std::vector<std::uint32_t>
-      of_fragment;  ///< per fragment: index into `bodies`, or kNoIndex; empty: there are none
+  /// Per fragment: index into `bodies`, or kNoIndex; empty: there are none
+  std::vector<std::uint32_t> of_fragment;
 
   const Body* of(std::size_t fragment) const {
     if (of_fragment.empty() || of_fragment[fragment] == kNoIndex) return nullptr;

@@ -59,8 +59,8 @@ class PartFinder {
   const std::vector<Box> boxes_;
   const BoxTree tree_;
   std::map<std::uint32_t, std::uint32_t> first_part_;  ///< of each node
-  std::map<const std::vector<std::uint32_t>*, std::optional<std::uint32_t>>
-      first_of_owners_;  ///< looked up, never iterated
+  /// Looked up, never iterated
+  std::map<const std::vector<std::uint32_t>*, std::optional<std::uint32_t>> first_of_owners_;
 };
 
 }  // namespace

@@ -20,10 +20,10 @@ bool may_keep_instances(const Solid& solid, const FractureParameters& parameters
 
 /// The groups of parts that hold together, and the instances that stay whole.
 struct PartGroups {
-  std::vector<std::uint32_t>
-      of_part;  ///< per part: its group, numbered from 0 in the order of their lowest parts
-  std::vector<std::uint32_t>
-      whole{};  ///< per part: index into Instances::all, or kNoIndex; empty: none stays whole
+  /// Per part: its group, numbered from 0 in the order of their lowest parts
+  std::vector<std::uint32_t> of_part;
+  /// Per part: index into Instances::all, or kNoIndex; empty: none stays whole
+  std::vector<std::uint32_t> whole{};
 };
 
 /// An instance stays whole if its volume is at most about the mean volume of `wanted` fragments, and joining it to other parts does

@@ -9,8 +9,9 @@
 //        g   s   g          The cells of the guards reach to infinity. Together they are the
 //          g   g            rest, which is not cut.
 //
-// Let u be the direction of a point at the distance x from the centre. A guard is within the angle kGuardAngle of u.
-// The point is nearer to it than to every site if x² + g² - 2 x g cos(angle) < (x - s)². For x > kReach, this holds.
+// Let u be the direction of a point at the distance x from the centre. The cosine of the angle between u and some
+// guard is at least kGuardCosine. The point is nearer to this guard than to every site if
+// x² + g² - 2 x g kGuardCosine < (x - s)². For x > kReach, this holds.
 // Cells are convex, so all of a hit's cells lie within kReach radii (Voronoi 1908). The ball is one in the image under
 // the map of the cells. In the solid it is an ellipsoid, whose longest half-axis is the radius.
 #pragma once

@@ -19,15 +19,15 @@ namespace fracture {
 
 struct CapSurface {
   const std::vector<std::array<CutVertexId, 3>>& triangles;
-  const std::vector<std::uint32_t>&
-      region_begin;                  ///< the first triangle of each region, then the number of triangles
+  /// The first triangle of each region, then the number of triangles
+  const std::vector<std::uint32_t>& region_begin;
   const std::vector<char>& seen;     ///< per triangle: 0 if it is inside a fragment and not part of a cut
   CutVertexId first;                 ///< the vertex at points[0]
   const std::vector<Vec3d>& points;  ///< current positions
   const std::vector<Vec3d>& flat;    ///< original positions
   const std::vector<char>& moved;    ///< per point: whether it has left its original position
-  const std::vector<double>&
-      surface;  ///< per point: distance of its original position to the outer surface, up to some maximum
+  /// Per point: distance of its original position to the outer surface, up to some maximum
+  const std::vector<double>& surface;
   const std::vector<std::uint32_t>& place;  ///< per point: equal for points whose original positions coincide
 };
 

@@ -62,8 +62,8 @@ Displacement::Displacement(double amplitude, double frequency, std::uint32_t oct
     Matrix3& to_waves = to_waves_.emplace_back();
     for (std::size_t k = 0; k < 3; ++k) to_waves.rows[k] = scale * frame.matrix.rows[k];
     Grain& grain = grain_.emplace_back();
-    Matrix3
-        lengths;  // N Nᵀ of the inverse map N, which shapes the cells: its eigenvalues are their squared lengths
+    // N Nᵀ of the inverse map N, which shapes the cells: its eigenvalues are their squared lengths
+    Matrix3 lengths;
     for (std::size_t i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j)
         lengths.rows[i][j] = dot(frame.inverse.rows[i], frame.inverse.rows[static_cast<std::size_t>(j)]);

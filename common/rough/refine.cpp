@@ -13,6 +13,7 @@
 #include "common/rough/collar.hpp"
 #include "common/rough/core_lattice.hpp"
 #include "common/rough/edge_splits.hpp"
+#include "common/rough/shortest_triangulation.hpp"
 
 namespace fracture {
 namespace {
@@ -203,48 +204,16 @@ class RegionRefiner {
     return 0.5 * twice;
   }
 
-  double square_distance(std::size_t i, std::size_t j) const {
-    const double x = plane_[j].x - plane_[i].x, y = plane_[j].y - plane_[i].y;
-    return x * x + y * y;
-  }
   double perimeter() const {
     double sum = 0;
     for (std::size_t k = 0; k < plane_.size(); ++k)
-      sum += std::sqrt(square_distance(k, (k + 1) % plane_.size()));
+      sum += std::sqrt(square_distance(plane_[k], plane_[(k + 1) % plane_.size()]));
     return sum;
   }
 
-  /// Triangulates a facet without width (four sites on a circle). Its sides coincide, so only triangles
-  /// between neighbours stay in place when it moves. Minimizes the sum of squared edges by dynamic
-  /// programming (Gilbert 1979, Klincsek 1980, for lengths).
   void triangulate_shortest() {
-    const std::size_t n = plane_.size();
-    least_.assign(n * n, 0);
-    middle_.assign(n * n, 0);
-    for (std::size_t gap = 2; gap < n; ++gap)
-      for (std::size_t i = 0; i + gap < n; ++i) {
-        const std::size_t j = i + gap;
-        pacer_.step(gap);
-        double best = HUGE_VAL;
-        for (std::size_t k = i + 1; k < j; ++k) {
-          const double sum = least_[i * n + k] + least_[k * n + j];
-          if (sum < best) {
-            best = sum;
-            middle_[i * n + j] = static_cast<std::uint32_t>(k);
-          }
-        }
-        least_[i * n + j] = best + square_distance(i, j);
-      }
-    std::vector<std::pair<std::size_t, std::size_t>> sides{{0, n - 1}};
-    while (!sides.empty()) {
-      const auto [i, j] = sides.back();
-      sides.pop_back();
-      if (j - i < 2) continue;
-      const std::size_t k = middle_[i * n + j];
-      triangles_.push_back({loop_[i], loop_[k], loop_[j]});
-      sides.push_back({i, k});
-      sides.push_back({k, j});
-    }
+    for (const Triangle& t : shortest_.build(plane_, pacer_))
+      triangles_.push_back({loop_[t[0]], loop_[t[1]], loop_[t[2]]});
   }
 
   LatticePoint rounded(const Vec2d& p) const {
@@ -325,8 +294,7 @@ class RegionRefiner {
   Vec2d low_;
   double step_ = 1;
   CoreLattice core_;
-  std::vector<double> least_;
-  std::vector<std::uint32_t> middle_;
+  ShortestTriangulation shortest_;
   std::vector<std::uint32_t> corner_, collar_begin_, ring_local_;
   std::vector<LatticePoint> collar_points_;
   Collar collar_;

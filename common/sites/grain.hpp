@@ -13,8 +13,8 @@
 namespace fracture {
 
 struct Grains {
-  std::vector<Vec3d>
-      directions;  ///< unit vectors, at most `most`, each at least about ten degrees from the others
+  /// Unit vectors, at most `most`, each at least about ten degrees from the others
+  std::vector<Vec3d> directions;
   std::vector<std::uint8_t> of_part;  ///< index into directions
 };
 

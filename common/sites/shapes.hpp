@@ -23,8 +23,8 @@ struct PartShape {
   };
   Vec3d middle{};            ///< centre of mass
   std::optional<Rod> rod{};  ///< none if the part is not a rod
-  std::optional<Vec3d>
-      thin{};  ///< for a plate (thickness <= width / 5): the direction in which it is thin. A strip is both
+  /// For a plate (thickness <= width / 5): the direction in which it is thin. A strip is both
+  std::optional<Vec3d> thin{};
 };
 
 struct Shapes {

@@ -16,8 +16,8 @@ struct Solid;
 struct Instance {
   std::uint32_t node = 0;   ///< index into Mesh::node_names
   std::uint32_t shape = 0;  ///< index into Instances::models
-  std::vector<std::uint32_t>
-      parts;              ///< indices into Solid::parts, ascending: all parts of the node, and only these
+  /// Indices into Solid::parts, ascending: all parts of the node, and only these
+  std::vector<std::uint32_t> parts;
   double volume = 0;      ///< m³
   Similarity from_model;  ///< places the model's parts here; the identity for the model itself
 };
@@ -25,8 +25,8 @@ struct Instance {
 struct Instances {
   std::vector<Instance> all;           ///< ascending by node
   std::vector<std::uint32_t> of_part;  ///< per part: index into `all`, or kNoIndex
-  std::vector<std::uint32_t>
-      models{};  ///< per shape: its largest instance (index into `all`; ties: the lowest node)
+  /// Per shape: its largest instance (index into `all`; ties: the lowest node)
+  std::vector<std::uint32_t> models{};
 };
 
 /// How far vertices of an instance may be from those of its model, as a fraction of the solid's largest coordinate. The importer

@@ -15,8 +15,8 @@ namespace fracture {
 /// The parts that each of several selectors decides.
 struct PartChoice {
   std::vector<std::uint32_t> of_part;  ///< per part: the first selector that matches it, or kNoIndex
-  std::vector<bool>
-      matches;  ///< per selector: whether it matches a part, even if an earlier one decides that part
+  /// Per selector: whether it matches a part, even if an earlier one decides that part
+  std::vector<bool> matches;
 };
 
 /// Finds the first selector that matches each part. Near-linear in parts and triangles for each selector. Throws Interrupted,

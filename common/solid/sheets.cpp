@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <span>
 
 #include "common/base/error.hpp"
 #include "common/base/pacer.hpp"
@@ -11,6 +10,7 @@
 #include "common/solid/mirrors.hpp"
 #include "common/solid/open_pieces.hpp"
 #include "common/solid/polled.hpp"
+#include "common/solid/sheet_offsets.hpp"
 
 namespace fracture::solid_detail {
 namespace {
@@ -23,11 +23,6 @@ constexpr double kLongestMitre = 4;
 /// Cosine of the angle (2.6 degrees) between normals below which there is a fold. Elsewhere a mitre would change the
 /// thickness by less than 0.1 %.
 constexpr double kFlat = 0.999;
-/// Cosine of the angle (0.08 degrees) between normals above which they count as one direction.
-constexpr double kSameNormal = 1 - 1e-6;
-/// Most triangles at a vertex with which a further one is compared. Vertices with more are tips of fans, whose normals differ.
-constexpr std::size_t kCompared = 16;
-
 class Thickener {
  public:
   Thickener(Surface& surface, const Shells& shells, double thickness, const std::vector<TriangleId>& mirror,
@@ -134,58 +129,6 @@ class Thickener {
 
   Vec3d at(VertexId v) const { return to_double(surface_.positions[v]); }
 
-  /// The direction in which a vertex moves, and how well it suits the triangles at the vertex.
-  struct Offset {
-    Vec3d normal;      ///< unit; 0 if there is none
-    double least = 1;  ///< cosine of the largest angle between `normal` and the normal of a triangle
-  };
-
-  /// Returns the offset of each vertex of the front: the mean of the different normals of its triangles. Each direction counts
-  /// once, however many triangles have it. So a corner of a box has the same distance from its three faces.
-  /// `mitred` false: the mean of all normals, weighted by area, and no mitre.
-  template <class Index>
-  std::vector<Offset> offsets_at(const std::vector<TriangleId>& front, std::size_t vertices,
-                                 const Index& index, bool mitred) {
-    std::vector<std::size_t> first(vertices + 1, 0);
-    std::vector<Vec3d> unit(front.size());
-    std::vector<double> weight(front.size(), 1);
-    for (std::size_t i = 0; i < front.size(); ++i) {
-      pacer_.step(8);
-      const Triangle& c = surface_.triangles[front[i]];
-      const Vec3d n = cross(at(c[1]) - at(c[0]), at(c[2]) - at(c[0]));
-      if (const double size = length(n); size > 0) unit[i] = (1 / size) * n;
-      if (!mitred) weight[i] = length(n);
-      for (const VertexId v : c) ++first[index(v) + 1];
-    }
-    for (std::size_t k = 0; k < vertices; ++k) first[k + 1] += first[k];
-    std::vector<std::size_t> of_vertex(first.back()), next(first.begin(), first.end() - 1);
-    for (std::size_t i = 0; i < front.size(); ++i) {
-      pacer_.step(4);
-      for (const VertexId v : surface_.triangles[front[i]]) of_vertex[next[index(v)]++] = i;
-    }
-    std::vector<Offset> offsets(vertices);
-    for (std::size_t k = 0; k < vertices; ++k) {
-      pacer_.step(8);
-      const std::span<const std::size_t> fan(of_vertex.data() + first[k], first[k + 1] - first[k]);
-      Vec3d sum;
-      for (std::size_t i = 0; i < fan.size(); ++i) {
-        const auto compared = fan.first(mitred ? std::min(i, kCompared) : 0);
-        const bool is_known = std::any_of(compared.begin(), compared.end(), [&](std::size_t j) {
-          return dot(unit[fan[i]], unit[j]) > kSameNormal;
-        });
-        if (!is_known) sum = sum + weight[fan[i]] * unit[fan[i]];
-      }
-      const double l = length(sum);
-      if (!(l > 0)) continue;
-      offsets[k].normal = (1 / l) * sum;
-      if (!mitred) continue;
-      for (const std::size_t i : fan)
-        if (dot(unit[i], unit[i]) > 0)
-          offsets[k].least = std::fmin(offsets[k].least, std::fmax(dot(offsets[k].normal, unit[i]), 0));
-    }
-    return offsets;
-  }
-
   /// Returns false if the corners of a triangle or of a wall would coincide, so that the front cannot be moved.
   bool place_back_vertices(const std::vector<TriangleId>& front, bool mitred) {
     std::vector<VertexId> vertices;
@@ -195,11 +138,8 @@ class Thickener {
     }
     sort_with_polls(execution_, vertices.begin(), vertices.end());
     vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
-    const auto index = [&](VertexId v) {
-      return static_cast<std::size_t>(std::lower_bound(vertices.begin(), vertices.end(), v) -
-                                      vertices.begin());
-    };
-    const std::vector<Offset> offsets = offsets_at(front, vertices.size(), index, mitred);
+    const auto index = [&](VertexId v) { return index_of(v, vertices); };
+    const std::vector<SheetOffset> offsets = sheet_offsets(surface_, front, vertices, mitred, pacer_);
     std::vector<Vec3f> back(vertices.size());
     for (std::size_t i = 0; i < vertices.size(); ++i) {
       pacer_.step();

@@ -168,8 +168,8 @@ struct Sheets {
 
 struct Solid {
   std::shared_ptr<const Mesh> source;
-  std::vector<Vec3f>
-      positions;  ///< per vertex; vertices that touch several fans of triangles are split (umbrellas)
+  /// Per vertex; vertices that touch several fans of triangles are split (umbrellas)
+  std::vector<Vec3f> positions;
   std::vector<std::array<VertexId, 3>> triangles;  ///< counter-clockwise from outside, grouped by part
   /// Per triangle: the wedges of the source at its corners, or kNoIndex three times for filled triangles.
   std::vector<std::array<std::uint32_t, 3>> wedges;

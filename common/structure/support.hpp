@@ -41,8 +41,8 @@ struct Support {
   SupportOptions asked;
   std::vector<std::uint32_t> falling;  ///< indices of fragments, ascending; without those in `broken`
   std::vector<BondLoad> loads;         ///< per bond
-  std::vector<std::uint32_t>
-      weak;                    ///< indices of overloaded bonds, the largest stress relative to strength first
+  /// Indices of overloaded bonds, the largest stress relative to strength first
+  std::vector<std::uint32_t> weak;
   std::uint32_t anchored = 0;  ///< number of held fragments
   std::uint32_t unknown = 0;   ///< number of ids in `broken` that no fragment has
   double residual = 0;         ///< residual of the balance, relative to the weight; 1e-9 if solved

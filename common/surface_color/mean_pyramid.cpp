@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "common/base/srgb.hpp"
+
 namespace fracture {
 namespace {
 
@@ -13,8 +15,7 @@ std::array<std::uint16_t, 256> linear_table() {
     const double s = static_cast<double>(k) / 255.0;
     // No value is so close to a half that the last bits of pow(), which differ between C libraries, could
     // matter.
-    const double linear = s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4);
-    table[k] = static_cast<std::uint16_t>(std::nearbyint(linear * 65535));
+    table[k] = static_cast<std::uint16_t>(std::nearbyint(linear_of_srgb(s) * 65535));
   }
   return table;
 }

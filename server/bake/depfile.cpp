@@ -1,6 +1,7 @@
 #include "server/bake/depfile.hpp"
 
-#include "server/bake/atomic_file.hpp"
+#include "common/base/atomic_file.hpp"
+#include "server/bake/output_folders.hpp"
 
 namespace fracture::bake {
 namespace {
@@ -28,7 +29,7 @@ std::string depfile_text(const BakeJob& job, const InputFile& input, const std::
 bool write_depfile(const std::string& path, const BakeJob& job, const InputFile& input,
                    const std::string& rules) {
   const std::string text = depfile_text(job, input, rules);
-  return make_folders_of(path) && write_file(path, std::as_bytes(std::span(text)));
+  return make_folders_of(path) && write_atomically(path, std::as_bytes(std::span(text)));
 }
 
 }  // namespace fracture::bake

@@ -7,8 +7,10 @@
 #include <fstream>
 #include <iterator>
 
+#include "common/base/atomic_file.hpp"
 #include "common/digest/running_digest.hpp"
-#include "server/bake/atomic_file.hpp"
+#include "server/bake/output_folders.hpp"
+#include "server/bake/standard_output.hpp"
 
 namespace fracture::bake {
 namespace {
@@ -128,7 +130,7 @@ Expected<std::vector<WrittenFile>> write_answer(const std::string& path, OutputK
   if (kind == OutputKind::kGlb || kind == OutputKind::kGltf) {
     const auto bytes = std::as_bytes(std::span(answer));
     const bool good = path == kStandardStream ? write_standard_output(bytes, stop)
-                                              : make_folders_of(path) && write_file(path, bytes);
+                                              : make_folders_of(path) && write_atomically(path, bytes);
     if (good) return std::vector<WrittenFile>{{path, digest, bytes.size()}};
   } else if (make_folders_of(path)) {
     const bool linear = source == MeshFormat::kGlb || source == MeshFormat::kGltf;

@@ -4,10 +4,19 @@
 #include <cstring>
 #include <filesystem>
 
-#include "server/bake/atomic_file.hpp"
+#include "common/base/atomic_file.hpp"
 #include "server/bake/output_path.hpp"
 
 namespace fracture::bake {
+
+bool make_folders_of(const std::string& path) {
+  std::error_code error;
+  const std::filesystem::path folder = std::filesystem::path(path).parent_path();
+  if (folder.empty()) return true;
+  std::filesystem::create_directories(folder, error);
+  if (error) errno = error.value();
+  return !error;
+}
 
 std::optional<std::string> OutputFolders::fault_of(const std::string& path) {
   if (path.empty() || path == kStandardStream) return std::nullopt;

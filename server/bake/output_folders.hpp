@@ -1,4 +1,4 @@
-// Tests whether output folders are writable before anything is computed.
+// Output folders: creates them, and tests whether they are writable before anything is computed.
 #pragma once
 
 #include <map>
@@ -7,6 +7,9 @@
 #include <string>
 
 namespace fracture::bake {
+
+/// Creates the parent folders of a path. Returns false and sets errno on failure.
+bool make_folders_of(const std::string& path);
 
 /// Thread-safe.
 class OutputFolders {

@@ -12,7 +12,8 @@
 #include <iterator>
 #include <utility>
 
-#include "server/bake/atomic_file.hpp"
+#include "common/base/atomic_file.hpp"
+#include "server/bake/output_folders.hpp"
 #include "server/bake/output_path.hpp"
 
 namespace fracture::bake {
@@ -168,7 +169,7 @@ Expected<void> Previews::draw(const std::string& output, const std::string& pict
   const Scratch model{folder_ + "/" + std::to_string(number) + ".glb"},
       drawn{folder_ + "/" + std::to_string(number) + ".png"};
   if (!is_drawn_itself) {
-    if (!write_file(model.path, bytes))
+    if (!write_atomically(model.path, bytes))
       return fail(ErrorCode::kFileAccess, "Cannot write " + model.path + ": " + std::strerror(errno) + ".");
   } else {
     std::error_code error;
@@ -199,7 +200,7 @@ Expected<void> Previews::draw(const std::string& output, const std::string& pict
       std::memcmp(png.data() + png.size() - sizeof kPngEnd, kPngEnd, sizeof kPngEnd) != 0)
     return fail(ErrorCode::kBadImage,
                 "The renderer did not write a PNG of " + side + " x " + side + " pixels.");
-  if (!make_folders_of(picture) || !write_file(picture, std::as_bytes(std::span(png))))
+  if (!make_folders_of(picture) || !write_atomically(picture, std::as_bytes(std::span(png))))
     return fail(ErrorCode::kFileAccess, "Cannot write " + picture + ": " + std::strerror(errno) + ".");
   return {};
 }

@@ -3,7 +3,6 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <signal.h>
-#include <spawn.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -20,6 +19,7 @@
 #include <vector>
 
 #include "common/base/json_reader.hpp"
+#include "common/base/spawn.hpp"
 
 extern char** environ;
 
@@ -62,29 +62,6 @@ std::vector<std::string> environment(int threads) {
   return kept;
 }
 
-std::vector<char*> pointers(std::vector<std::string>& texts) {
-  std::vector<char*> list;
-  for (std::string& text : texts) list.push_back(text.data());
-  list.push_back(nullptr);
-  return list;
-}
-
-/// File actions and attributes for posix_spawn().
-struct Spawn {
-  posix_spawn_file_actions_t actions{};
-  posix_spawnattr_t attributes{};
-  Spawn() {
-    ::posix_spawn_file_actions_init(&actions);
-    ::posix_spawnattr_init(&attributes);
-  }
-  ~Spawn() {
-    ::posix_spawn_file_actions_destroy(&actions);
-    ::posix_spawnattr_destroy(&attributes);
-  }
-  Spawn(const Spawn&) = delete;
-  Spawn& operator=(const Spawn&) = delete;
-};
-
 }  // namespace
 
 Expected<std::string> find_renderer(const std::string& named) {
@@ -122,22 +99,14 @@ Expected<RendererProcess> RendererProcess::start(const std::string& program, int
   ::fcntl(process.complaints_.get(), F_SETFL, O_NONBLOCK);
 
   Spawn spawn;
-  ::posix_spawn_file_actions_adddup2(&spawn.actions, its_talk.get(), STDIN_FILENO);
-  ::posix_spawn_file_actions_adddup2(&spawn.actions, its_talk.get(), STDOUT_FILENO);
-  ::posix_spawn_file_actions_adddup2(&spawn.actions, its_complaints.get(), STDERR_FILENO);
-  sigset_t none, all;
-  ::sigemptyset(&none);
-  ::sigfillset(&all);
-  ::posix_spawnattr_setsigmask(&spawn.attributes, &none);
-  ::posix_spawnattr_setsigdefault(&spawn.attributes, &all);
-  ::posix_spawnattr_setpgroup(&spawn.attributes, 0);  // so that its own children are killed with it
-  ::posix_spawnattr_setflags(&spawn.attributes,
-                             POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
-  std::vector<std::string> words{program, "--list", "--quiet"}, variables = environment(threads);
+  spawn.give(its_talk.get(), STDIN_FILENO);
+  spawn.give(its_talk.get(), STDOUT_FILENO);
+  spawn.give(its_complaints.get(), STDERR_FILENO);
+  spawn.reset_signals();
+  spawn.lead_group();
+  const std::vector<std::string> variables = environment(threads);
   pid_t pid = 0;
-  if (const int reason = ::posix_spawn(&pid, program.c_str(), &spawn.actions, &spawn.attributes,
-                                       pointers(words).data(), pointers(variables).data());
-      reason != 0)
+  if (const int reason = spawn.start(program, {program, "--list", "--quiet"}, &variables, pid); reason != 0)
     return failed(reason);
   process.pid_ = pid;
   return process;
@@ -155,8 +124,7 @@ RendererProcess::~RendererProcess() { kill(); }
 void RendererProcess::kill() {
   if (pid_ <= 0) return;
   ::kill(-pid_, SIGKILL);
-  while (::waitpid(pid_, nullptr, 0) < 0 && errno == EINTR) {
-  }
+  wait_for_end(pid_);
   pid_ = 0;
   talk_.reset();
 }

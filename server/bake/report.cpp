@@ -9,9 +9,10 @@
 #include <set>
 #include <utility>
 
+#include "common/base/atomic_file.hpp"
 #include "common/base/json_text.hpp"
-#include "server/bake/atomic_file.hpp"
 #include "server/bake/output_files.hpp"
+#include "server/bake/output_folders.hpp"
 #include "server/bake/output_path.hpp"
 
 namespace fracture::bake {
@@ -98,7 +99,7 @@ bool BakeReport::finish(const std::vector<std::string>& outputs) {
   for (const std::string& output : outputs) mine.insert(as_utf8(output));
   for (const auto& [output, known] : known_)
     if (!mine.contains(output)) all += json_text(known.line) + "\n";
-  return write_file(path_, std::as_bytes(std::span(all)));
+  return write_atomically(path_, std::as_bytes(std::span(all)));
 }
 
 std::vector<nlohmann::json> BakeReport::lines() const {

@@ -6,8 +6,8 @@
 #include <chrono>
 #include <cstring>
 #include <filesystem>
-#include <map>
 #include <memory>
+#include <mutex>
 #include <new>
 #include <optional>
 #include <set>
@@ -15,15 +15,16 @@
 #include <utility>
 #include <vector>
 
+#include "common/base/atomic_file.hpp"
 #include "common/base/printable.hpp"
 #include "common/gltf/report_text.hpp"
 #include "common/mesh/dropped.hpp"
-#include "server/bake/atomic_file.hpp"
 #include "server/bake/depfile.hpp"
 #include "server/bake/explain.hpp"
 #include "server/bake/failure.hpp"
 #include "server/bake/html_report.hpp"
 #include "server/bake/input_file.hpp"
+#include "server/bake/named_files.hpp"
 #include "server/bake/output_files.hpp"
 #include "server/bake/output_folders.hpp"
 #include "server/bake/progress.hpp"
@@ -105,7 +106,7 @@ class Run {
   /// Writes the page, even for a run that was stopped, which then shows how far it came.
   void write_page() {
     if (plan_.html.empty()) return;
-    if (const std::optional<Error> loss = loss_of(plan_.html)) {
+    if (const std::optional<Error> loss = named_.loss_of(plan_.html)) {
       say("cannot write " + plan_.html + ": " + loss->detail);
       return count(&RunFigures::unwritable);
     }
@@ -118,7 +119,7 @@ class Run {
                                           .no_pictures = options_.no_pictures,
                                           .path = plan_.html},
                                          report_.lines());
-    if (!make_folders_of(plan_.html) || !write_file(plan_.html, std::as_bytes(std::span(page))))
+    if (!make_folders_of(plan_.html) || !write_atomically(plan_.html, std::as_bytes(std::span(page))))
       unwritable(plan_.html);
   }
 
@@ -127,7 +128,7 @@ class Run {
     if (!options_.previews || job.picture.empty()) return;
     line.erase("preview");
     json preview;
-    if (const std::optional<Error> loss = loss_of(job.picture))
+    if (const std::optional<Error> loss = named_.loss_of(job.picture))
       preview = {{"file", job.picture}, {"warning", "The file is not overwritten: " + loss->detail + "."}};
     else
       preview = options_.previews->of(job.output, job.picture, fresh, bytes, stop_);
@@ -247,7 +248,7 @@ class Run {
     const FractureRequest request{input->view(), input->format, *parameters, as_import_files(input->siblings),
                                   answer_format(*kind)};
     const RequestKeys keys = keys_of(request);
-    protect(*input, job);
+    named_.add(*input, job);
     if (const KnownOutput* known = options_.force ? nullptr : report_.find(job.output);
         known && known->key == keys.result && is_right(*known, job.output)) {
       if (!write_depfile_of(number, *input)) return;
@@ -258,7 +259,8 @@ class Run {
       conclude(name_of_output(job.output) + ": up to date, kept");
       return progress_->done(true, false);
     }
-    if (const std::optional<Error> loss = loss_by(job)) return unwritable(number, loss->detail);
+    if (const std::optional<Error> loss = named_.loss_by(job, options_.depfile))
+      return unwritable(number, loss->detail);
     if (const std::optional<std::string> fault = folders_.fault_of(job.output))
       return unwritable(number, *fault);
     make(number, *kind, request, keys, *input);
@@ -282,7 +284,7 @@ class Run {
   bool write_depfile_of(std::size_t number, const InputFile& input) {
     if (options_.depfile.empty()) return true;
     const BakeJob& job = plan_.jobs[number];
-    if (const std::optional<Error> loss = loss_by(job)) {
+    if (const std::optional<Error> loss = named_.loss_by(job, options_.depfile)) {
       unwritable(number, loss->detail);
       return false;
     }
@@ -294,32 +296,6 @@ class Run {
   void warn_of_rules() {
     if (figures_.cancelled > 0 || plan_.jobs.size() < plan_.all) return;
     for (const std::string& warning : tally_.warnings()) say("warning: " + warning);
-  }
-
-  /// Protects the files that a mesh refers to from being overwritten, because they are inputs too.
-  void protect(const InputFile& input, const BakeJob& job) {
-    const std::lock_guard lock(mutex_);
-    for (const SiblingFile& file : input.siblings)
-      named_.emplace(identity_of(file.path), "a file that " + job.input + " names");
-  }
-
-  /// Returns kFileAccess if the job would overwrite a file that a mesh refers to.
-  std::optional<Error> loss_by(const BakeJob& job) {
-    for (const std::string& path : {job.output, materials_beside(job.output), options_.depfile})
-      if (!path.empty() && path != kStandardStream)
-        if (std::optional<Error> loss = loss_of(path)) {
-          if (path != job.output)
-            loss->detail = (path == options_.depfile ? "the depfile " : "") + path + ": " + loss->detail;
-          return loss;
-        }
-    return std::nullopt;
-  }
-
-  std::optional<Error> loss_of(const std::string& path) {
-    const std::lock_guard lock(mutex_);
-    const auto at = named_.find(identity_of(path));
-    if (at == named_.end()) return std::nullopt;
-    return Error{ErrorCode::kFileAccess, "it is " + at->second};
   }
 
   Expected<Baked> bake(const FractureRequest& request) {
@@ -346,10 +322,11 @@ class Run {
       keep_failure(number, request, baked.error());
       return fail(number, baked.error());
     }
-    if (const std::optional<Error> loss = loss_by(job)) return unwritable(number, loss->detail);
+    if (const std::optional<Error> loss = named_.loss_by(job, options_.depfile))
+      return unwritable(number, loss->detail);
     const Expected<std::vector<WrittenFile>> written = write_answer(
         job.output, kind, *baked->file, baked->digest, request.format,
-        [this](const std::string& path) { return loss_of(path); }, stop_);
+        [this](const std::string& path) { return named_.loss_of(path); }, stop_);
     if (!written && written.error().code == ErrorCode::kFileAccess)
       return unwritable(number, written.error().detail);
     if (!written) return fail(number, written.error());
@@ -396,7 +373,7 @@ class Run {
   std::atomic<bool> unavailable_{false};
   std::mutex mutex_;
   RunFigures figures_;
-  std::map<FileIdentity, std::string> named_;  ///< by the meshes read so far
+  NamedFiles named_;  ///< by the meshes read so far
 };
 
 }  // namespace

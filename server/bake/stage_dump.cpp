@@ -13,8 +13,8 @@
 #include <variant>
 
 #include "common/debug/dump_obj.hpp"
-#include "server/bake/atomic_file.hpp"
 #include "server/bake/engine_around.hpp"
+#include "server/bake/output_folders.hpp"
 
 namespace fracture::bake {
 namespace {

@@ -1,21 +1,22 @@
 #include "server/bake/wait_for.hpp"
 
-#include <poll.h>
-
 #include <cerrno>
+#include <chrono>
+
+#include "common/base/wait_for.hpp"
 
 namespace fracture::bake {
 
 bool wait_for(int fd, short events, const std::stop_token& stop) {
-  constexpr int kPollMilliseconds = 50;
-  pollfd waits{fd, events, 0};
-  do {
+  constexpr std::chrono::milliseconds kBetweenLooks(50);
+  for (;;) {
     if (stop.stop_requested()) {
       errno = ECANCELED;
       return false;
     }
-  } while (::poll(&waits, 1, kPollMilliseconds) == 0);
-  return true;
+    if (fracture::wait_for(fd, events, std::chrono::steady_clock::now() + kBetweenLooks) != 0) return true;
+    if (errno != ETIMEDOUT) return true;  // the next call on `fd` reports the failure
+  }
 }
 
 }  // namespace fracture::bake

@@ -11,8 +11,8 @@
 #include <system_error>
 #include <utility>
 
+#include "common/base/atomic_file.hpp"
 #include "common/base/descriptor.hpp"
-#include "common/base/paced_write.hpp"
 
 namespace fracture {
 namespace {
@@ -186,11 +186,7 @@ bool DiskCache::insert(const CacheEntry& entry) {
     make_room(size);
     temporary = folder_ + "/tmp/" + std::to_string(next_temporary_++);
   }
-  const bool written = write(temporary, head, entry.payload);
-  std::error_code ignored;
-  if (written) fs::create_directory(folder_ + "/" + key.substr(0, 2), ignored);
-  if (!written || ::rename(temporary.c_str(), path_of(key).c_str()) != 0) {
-    ::unlink(temporary.c_str());
+  if (!write(temporary, path_of(key), head, entry.payload)) {
     const std::lock_guard lock(mutex_);
     ++figures_.failures;
     return false;
@@ -204,12 +200,17 @@ bool DiskCache::insert(const CacheEntry& entry) {
   return true;
 }
 
-bool DiskCache::write(const std::string& path, std::string_view head, std::span<const std::uint8_t> payload) {
-  const Descriptor file(::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644));
-  // Without fsync, the rename may reach the disk before the bytes, and a power cut would leave a file of zeros. The checksum
-  // would detect that, but the entry would be lost.
-  return file && write_all(file.get(), std::as_bytes(std::span(head))) &&
-         write_paced(file.get(), std::as_bytes(payload)) && ::fsync(file.get()) == 0;
+bool DiskCache::write(const std::string& temporary, const std::string& path, std::string_view head,
+                      std::span<const std::uint8_t> payload) {
+  AtomicFile file;
+  // Flushed: without that, the rename may reach the disk before the bytes, and a power cut would leave a file of zeros. The
+  // checksum would detect that, but the entry would be lost.
+  if (!file.open(path, {.temporary = temporary, .mode = 0644}) ||
+      !file.append(std::as_bytes(std::span(head))) || !file.append_paced(std::as_bytes(payload)))
+    return false;
+  std::error_code ignored;
+  fs::create_directory(fs::path(path).parent_path(), ignored);
+  return file.commit();
 }
 
 void DiskCache::quarantine(const std::string& key) {

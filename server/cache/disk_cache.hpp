@@ -86,7 +86,8 @@ class DiskCache {
   void make_room(std::uint64_t size);
   void quarantine(const std::string& key);
   void forget(const std::string& key);
-  bool write(const std::string& path, std::string_view head, std::span<const std::uint8_t> payload);
+  bool write(const std::string& temporary, const std::string& path, std::string_view head,
+             std::span<const std::uint8_t> payload);
 
   const std::string folder_;
   const std::uint64_t budget_;

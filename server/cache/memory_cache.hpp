@@ -75,8 +75,8 @@ class MemoryCache {
   /// the budget.
   bool insert(const std::string& key, Pointer value, std::size_t size) {
     if (size > budget_) return false;
-    std::vector<Pointer>
-        dropped;  // freed without the lock, because io threads wait for it and freeing large values takes a while
+    // Freed without the lock, because io threads wait for it and freeing large values takes a while
+    std::vector<Pointer> dropped;
     const std::lock_guard lock(mutex_);
     if (const auto at = index_.find(key); at != index_.end()) remove(at->second, dropped);
     while (figures_.bytes + size > budget_) make_room(dropped);

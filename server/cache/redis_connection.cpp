@@ -6,29 +6,18 @@
 #include <openssl/err.h>
 #include <openssl/ssl.h>
 #include <openssl/x509v3.h>
-#include <poll.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
+
+#include "common/base/wait_for.hpp"
 
 namespace fracture {
 namespace {
 
 /// Bytes allowed in a reply in addition to the value.
 constexpr std::size_t kSlack = 64u << 10;
-
-/// Waits for the socket. Returns false on a timeout or an error.
-bool wait_for(int fd, short events, std::chrono::steady_clock::time_point deadline) {
-  for (;;) {
-    const auto left =
-        std::chrono::ceil<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now());
-    if (left.count() <= 0) return false;
-    pollfd p{fd, events, 0};
-    const int ready = ::poll(&p, 1, static_cast<int>(left.count()));
-    if (ready != 0 && !(ready < 0 && errno == EINTR)) return ready > 0;
-  }
-}
 
 bool is_numeric(const std::string& host) {
   in6_addr address{};
@@ -87,7 +76,7 @@ bool RedisConnection::connect(const NetworkAddress& address, Deadline deadline) 
   const int one = 1;
   if (address.get()->sa_family != AF_UNIX) ::setsockopt(fd_, IPPROTO_TCP, TCP_NODELAY, &one, sizeof one);
   if (::connect(fd_, address.get(), address.size) == 0) return true;
-  if (errno != EINPROGRESS || !wait_for(fd_, POLLOUT, deadline)) return false;
+  if (errno != EINPROGRESS || wait_for(fd_, POLLOUT, deadline) == 0) return false;
   int error = 0;
   socklen_t size = sizeof error;
   return ::getsockopt(fd_, SOL_SOCKET, SO_ERROR, &error, &size) == 0 && error == 0;
@@ -113,9 +102,9 @@ bool RedisConnection::shake_hands(const RedisTls& tls, const std::string& host, 
 bool RedisConnection::wait_as_told(int result, Deadline deadline) {
   switch (SSL_get_error(ssl_.get(), result)) {
     case SSL_ERROR_WANT_READ:
-      return wait_for(fd_, POLLIN, deadline);
+      return wait_for(fd_, POLLIN, deadline) != 0;
     case SSL_ERROR_WANT_WRITE:
-      return wait_for(fd_, POLLOUT, deadline);
+      return wait_for(fd_, POLLOUT, deadline) != 0;
     default:
       closed_ = true;
       return false;
@@ -136,7 +125,7 @@ bool RedisConnection::write(std::string_view bytes, Deadline deadline) {
     if (sent >= 0) {
       bytes.remove_prefix(static_cast<std::size_t>(sent));
     } else if (errno == EAGAIN) {
-      if (!wait_for(fd_, POLLOUT, deadline)) return false;
+      if (wait_for(fd_, POLLOUT, deadline) == 0) return false;
     } else if (errno != EINTR) {
       closed_ = true;
       return false;
@@ -160,7 +149,7 @@ std::size_t RedisConnection::read_some(char* to, std::size_t size, Deadline dead
     if (got > 0) return std::chrono::steady_clock::now() < deadline ? static_cast<std::size_t>(got) : 0;
     if (got < 0 && errno == EINTR) continue;
     if (got < 0 && errno == EAGAIN) {
-      if (!wait_for(fd_, POLLIN, deadline)) return 0;
+      if (wait_for(fd_, POLLIN, deadline) == 0) return 0;
       continue;
     }
     closed_ = true;

@@ -6,8 +6,10 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <cstring>
 
+#include "common/base/wait_for.hpp"
 #include "server/import_worker/byte_stream.hpp"
 
 namespace fracture {
@@ -15,7 +17,7 @@ namespace {
 
 constexpr std::size_t kMaxDescriptors = 2;
 /// How often a waiting import checks whether it is still wanted.
-constexpr int kPollMilliseconds = 10;
+constexpr std::chrono::milliseconds kBetweenPolls(10);
 /// Buffer for one control message, with the alignment that the kernel requires.
 struct alignas(cmsghdr) Control {
   char bytes[CMSG_SPACE(kMaxDescriptors * sizeof(int))];
@@ -105,10 +107,9 @@ Received receive_message(int socket, void* message, std::size_t size) {
 
 bool wait_for_message(int socket, const Execution& execution) {
   for (;;) {
-    pollfd fd{socket, POLLIN, 0};
-    const int ready = ::poll(&fd, 1, kPollMilliseconds);
-    if (ready > 0) return (fd.revents & POLLIN) != 0;
-    if (ready < 0 && errno != EINTR) return false;
+    const short ready = wait_for(socket, POLLIN, std::chrono::steady_clock::now() + kBetweenPolls);
+    if (ready != 0) return (ready & POLLIN) != 0;
+    if (errno != ETIMEDOUT) return false;
     execution.poll();
   }
 }

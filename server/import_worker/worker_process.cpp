@@ -16,6 +16,7 @@
 #include <system_error>
 #include <vector>
 
+#include "common/base/spawn.hpp"
 #include "server/import_worker/mesh_codec.hpp"
 
 namespace fracture {
@@ -87,8 +88,7 @@ WorkerProcess::~WorkerProcess() { kill_and_reap(); }
 void WorkerProcess::kill_and_reap() {
   if (pid_ <= 0) return;
   ::kill(pid_, SIGKILL);
-  while (::waitpid(pid_, nullptr, 0) < 0 && errno == EINTR) {
-  }
+  wait_for_end(pid_);
   pid_ = -1;
 }
 

@@ -2,7 +2,6 @@
 
 #include <fcntl.h>
 #include <signal.h>
-#include <spawn.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
 
@@ -12,6 +11,8 @@
 #include <system_error>
 #include <utility>
 #include <vector>
+
+#include "common/base/spawn.hpp"
 
 namespace fracture {
 namespace {
@@ -28,39 +29,19 @@ constexpr const char* kTunables = "GLIBC_TUNABLES=glibc.malloc.hugetlb=1";
   throw std::system_error(error, std::generic_category(), what);
 }
 
-/// The child's attributes. It gets a session of its own, so that only the server handles Ctrl-C on its terminal. No signals
-/// are blocked or ignored.
-class SpawnAttributes {
- public:
-  SpawnAttributes() {
-    posix_spawnattr_init(&value);
-    sigset_t none, all;
-    sigemptyset(&none);
-    sigfillset(&all);
-    posix_spawnattr_setsigmask(&value, &none);
-    posix_spawnattr_setsigdefault(&value, &all);
-    posix_spawnattr_setflags(&value, POSIX_SPAWN_SETSID | POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
-  }
-  ~SpawnAttributes() { posix_spawnattr_destroy(&value); }
-  posix_spawnattr_t value;
-};
-
-/// The child's descriptors: the socket, and none of the server's other descriptors.
-class Descriptors {
- public:
-  explicit Descriptors(int socket) {
-    posix_spawn_file_actions_init(&value);
-    posix_spawn_file_actions_adddup2(&value, socket, kWorkerSocket);
-    posix_spawn_file_actions_addopen(&value, 0, "/dev/null", O_RDONLY, 0);
-    posix_spawn_file_actions_addopen(&value, 1, "/dev/null", O_WRONLY, 0);
+/// The child gets a session of its own, so that only the server handles Ctrl-C on its terminal. It gets the socket, and none of the
+/// server's other descriptors. No signals are blocked or ignored.
+void describe_child(Spawn& spawn, int socket) {
+  spawn.reset_signals();
+  spawn.lead_session();
+  spawn.give(socket, kWorkerSocket);
+  spawn.open(0, "/dev/null", O_RDONLY);
+  spawn.open(1, "/dev/null", O_WRONLY);
 #ifndef FRACTURE_SANITIZED  // sanitizer reports must stay visible
-    posix_spawn_file_actions_addopen(&value, 2, "/dev/null", O_WRONLY, 0);
+  spawn.open(2, "/dev/null", O_WRONLY);
 #endif
-    posix_spawn_file_actions_addclosefrom_np(&value, kWorkerSocket + 1);
-  }
-  ~Descriptors() { posix_spawn_file_actions_destroy(&value); }
-  posix_spawn_file_actions_t value;
-};
+  spawn.close_from(kWorkerSocket + 1);
+}
 
 /// Returns the server's end and the child's end.
 std::pair<Descriptor, Descriptor> socket_pair() {
@@ -92,8 +73,7 @@ ProcessGroup::~ProcessGroup() {
     if (pid < 0) return;
     // A child of this process is still in the group, so the id cannot belong to another group by now.
     ::kill(-leader_, SIGKILL);
-    while (::waitpid(-leader_, nullptr, 0) < 0 && errno == EINTR) {
-    }
+    wait_for_end(-leader_);
   }
 }
 
@@ -112,31 +92,26 @@ void ZygoteProcess::start(const WorkerProcessConfig& config) {
   // dup2() of a descriptor onto itself would keep its close-on-exec flag.
   if (theirs.get() == kWorkerSocket)
     theirs = Descriptor(::fcntl(theirs.get(), F_DUPFD_CLOEXEC, kWorkerSocket + 1));
-  const SpawnAttributes attributes;
-  const Descriptors descriptors(theirs.get());
-  std::string program = config.program, memory = std::to_string(config.memory_bytes),
-              cpu = std::to_string(config.cpu.count());
-  char* const argv[] = {program.data(), memory.data(), cpu.data(), nullptr};
-  std::vector<char*> environment;
+  Spawn spawn;
+  describe_child(spawn, theirs.get());
 #ifdef FRACTURE_SANITIZED
-  std::string options =
-      std::string("ASAN_OPTIONS=") + (std::getenv("ASAN_OPTIONS") ?: "") + ":detect_leaks=0";
-  environment.push_back(options.data());
+  const std::vector<std::string> variables{std::string("ASAN_OPTIONS=") +
+                                           (std::getenv("ASAN_OPTIONS") ?: "") + ":detect_leaks=0"};
 #else
-  std::string tunables = kTunables;
-  environment.push_back(tunables.data());
+  const std::vector<std::string> variables{kTunables};
 #endif
-  environment.push_back(nullptr);
-  if (const int error = ::posix_spawn(&pid_, program.c_str(), &descriptors.value, &attributes.value, argv,
-                                      environment.data());
+  if (const int error = spawn.start(
+          config.program,
+          {config.program, std::to_string(config.memory_bytes), std::to_string(config.cpu.count())},
+          &variables, pid_);
       error != 0) {
     pid_ = -1;
-    fail_to_start(error, "cannot start the import worker " + program);
+    fail_to_start(error, "cannot start the import worker " + config.program);
   }
   group_ = std::make_shared<ProcessGroup>(pid_);
   theirs.reset();  // so that the connection ends when the child dies
   if (!receive_in_time(socket_.get(), &hello_, sizeof hello_) || hello_.version != kProtocolVersion)
-    throw std::runtime_error("the import worker " + program +
+    throw std::runtime_error("the import worker " + config.program +
                              " does not start: it is damaged, or its version differs from the server's");
 }
 
@@ -145,8 +120,7 @@ ZygoteProcess::~ZygoteProcess() { kill_and_reap(); }
 void ZygoteProcess::kill_and_reap() {
   if (pid_ <= 0) return;
   ::kill(pid_, SIGKILL);
-  while (::waitpid(pid_, nullptr, 0) < 0 && errno == EINTR) {
-  }
+  wait_for_end(pid_);
   pid_ = -1;
 }
 

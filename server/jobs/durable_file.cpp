@@ -5,25 +5,15 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstdio>
 
+#include "common/base/atomic_file.hpp"
 #include "common/base/descriptor.hpp"
-#include "common/base/paced_write.hpp"
 
 namespace fracture {
 namespace {
 
 Descriptor opened(const std::string& path, int flags) {
-  return Descriptor(::open(path.c_str(), flags | O_CLOEXEC, 0644));
-}
-
-bool write_flushed(const std::string& path, std::string_view head,
-                   std::span<const std::span<const std::byte>> parts) {
-  const Descriptor file = opened(path, O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW);
-  if (!file || !write_all(file.get(), std::as_bytes(std::span(head)))) return false;
-  for (const std::span<const std::byte> part : parts)
-    if (!write_paced(file.get(), part)) return false;
-  return ::fsync(file.get()) == 0;
+  return Descriptor(::open(path.c_str(), flags | O_CLOEXEC));
 }
 
 /// Flushes the folder. Without this, the new name of a renamed file may be lost on a power failure.
@@ -36,14 +26,11 @@ bool flush_folder_of(const std::string& path) {
 
 bool write_durably(const std::string& temporary, const std::string& path, std::string_view head,
                    std::span<const std::span<const std::byte>> parts) {
-  bool good = write_flushed(temporary, head, parts);
-  good = good && std::rename(temporary.c_str(), path.c_str()) == 0 && flush_folder_of(path);
-  if (!good) {
-    const int reason = errno;
-    ::unlink(temporary.c_str());
-    errno = reason;
-  }
-  return good;
+  AtomicFile file;
+  bool good =
+      file.open(path, {.temporary = temporary, .mode = 0644}) && file.append(std::as_bytes(std::span(head)));
+  for (const std::span<const std::byte> part : parts) good = good && file.append_paced(part);
+  return good && file.commit() && flush_folder_of(path);
 }
 
 std::optional<std::vector<std::uint8_t>> read_whole(const std::string& path, std::uint64_t most) {

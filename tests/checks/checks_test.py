@@ -159,6 +159,34 @@ class Checks(PlantedCheckout):
         self.plant("tests/a_test.cpp", "// pause: a client that sends a byte a second\nstd::this_thread::sleep_for(1s);\n")
         self.expect_clean("waits")
 
+    def test_names(self):
+        self.expect_clean("names")
+        header = "// %s\n#pragma once\ninline constexpr int kMostTwice = 7;\nint twice(int x);\n"
+        for text, said in (("At most kLeastTwice.", "names kLeastTwice, which does not exist"),
+                           ("Like fracture::thrice(), but smaller.", "names thrice(), which does not exist")):
+            self.plant("common/base/vec.hpp", header % text)
+            self.expect_found("names", "common/base/vec.hpp:1: " + said)
+        self.plant("common/base/vec.hpp", header % "At most Limits::kMostTwice. Used by fracture::twice().")
+        self.expect_clean("names")
+        self.plant("README.md", "# Title\n\nThe limit is `kFewTwice`.\n")
+        self.expect_found("names", "README.md:3: names kFewTwice, which does not exist")
+        self.plant("README.md", "# Title\n\nThe limit is `kMostTwice`.\n")
+        self.expect_clean("names")
+
+    def test_length(self):
+        self.expect_clean("length")
+        for name, line in (("common/base/vec.cpp", "int x;\n"), ("scripts/count.py", "x = 1\n"), ("scripts/run", "true\n")):
+            first = "#!/usr/bin/env bash\n" if name == "scripts/run" else line
+            self.plant(name, first + line * 400)
+            self.expect_found("length", name + ":401: has 401 lines; at most 400 are allowed")
+            self.plant(name, first + line * 399)
+            self.expect_clean("length")
+        # A file that is known to be too long must leave the list when it no longer is.
+        self.plant("common/fragment/assemble.cpp", "int x;\n" * 401)
+        self.expect_clean("length")
+        self.plant("common/fragment/assemble.cpp", "int x;\n" * 400)
+        self.expect_found("length", "common/fragment/assemble.cpp:1: is short enough: remove it from NOT_YET")
+
     def test_tidy(self):
         self.needs("clang-tidy")
         self.expect_clean("tidy")

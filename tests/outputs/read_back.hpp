@@ -122,8 +122,8 @@ struct PlyFile {
   struct Element {
     std::string name;
     std::size_t count = 0;
-    std::vector<std::pair<std::string, std::string>>
-        properties{};  ///< type and name; "list" for the triangle
+    /// Type and name; "list" for the triangle
+    std::vector<std::pair<std::string, std::string>> properties{};
   };
   std::vector<std::string> comments;
   std::vector<std::map<std::string, double>> vertices, faces;

@@ -84,7 +84,7 @@ TEST(FragmentNumber, OfRealAssetsOfManyPartsIsWhatWasAskedOrTheirParts) {
       const FracturedSolid made = fracture(solid, diagram, p, {}, timings).value();
       const auto n = static_cast<double>(made.set.fragments.size());
       const auto parts = static_cast<double>(solid.parts.size());
-      // Every part is at least one fragment, and the largest part still breaks (MorePartsThanFragments...).
+      // Every part is at least one fragment, and the largest part still breaks (MorePartsThanFragmentsAreSaidSo… below).
       if (parts < asked)
         EXPECT_NEAR(n, asked, 0.1 * asked);
       else

@@ -26,7 +26,7 @@ if (name === 'prepare') {
 }
 if (!fs.existsSync(at('node_modules/three'))) skip('node_modules of client/page is missing (npm ci)');
 if (!fs.existsSync(at('dist/index.html'))) skip('client/page is not built (npm run build)');
-if (!['unit', 'pieces', 'docs'].includes(name)) {
+if (!['unit', 'snippets', 'pieces', 'docs'].includes(name)) {
   if (!process.env.FRACTURE_TEST_SERVER) skip('FRACTURE_TEST_SERVER names no fracture-server');
   if (!['/usr/bin/chromium', '/usr/bin/chromium-browser'].some(file => fs.existsSync(file))) skip('there is no Chromium (scripts/install-deps pictures)');
 }

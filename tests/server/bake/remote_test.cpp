@@ -8,12 +8,11 @@
 #include <stop_token>
 #include <thread>
 
-#include "common/pipeline/algorithm_version.hpp"
 #include "server/bake/failure.hpp"
 #include "server/bake/form.hpp"
 #include "server/http/multipart.hpp"
+#include "tests/server/bake/remote_bakers.hpp"
 #include "tests/server/support/bake_farm.hpp"
-#include "tests/server/support/relay.hpp"
 #include "tests/server/support/test_server.hpp"
 #include "tests/support/eventually.hpp"
 
@@ -25,22 +24,6 @@ using test::FakeReply;
 using test::FakeRequest;
 using test::FakeServer;
 using testing::HasSubstr;
-
-Patience short_pauses() {
-  using std::chrono::milliseconds;
-  // No test waits until the patience ends, except those that set their own.
-  return {milliseconds(3'600'000), milliseconds(1), milliseconds(4)};
-}
-
-Expected<std::unique_ptr<Baker>> baker_at(std::uint16_t port, const Patience& patience = short_pauses(),
-                                          const std::string& token = "") {
-  protocol::ConnectionSettings settings;
-  settings.port = port;
-  settings.token = token;
-  // The limits are long because the machine may be slow. A test that expects a failure must not rely on them.
-  settings.connect_timeout = settings.answer_timeout = std::chrono::hours(1);
-  return remote_baker({settings, patience}, {}, [](const std::string&) {});
-}
 
 std::unique_ptr<Baker> baker_for(const Farm& farm, const Patience& patience = short_pauses()) {
   auto baker = baker_at(farm.relay.port(), patience);
@@ -91,11 +74,6 @@ Error failure(Baker& baker, const Asked& asked) {
   auto baked = bake(baker, asked);
   if (baked) throw std::runtime_error("it was baked");
   return std::move(baked.error());
-}
-
-FakeReply problem(int status, const std::string& slug, const std::string& headers = "") {
-  return FakeReply::answer(status, R"({"type": "/problems/)" + slug + R"(", "detail": "Because."})",
-                           "Content-Type: application/problem+json\r\n" + headers);
 }
 
 // -- a server that works
@@ -336,49 +314,6 @@ TEST(RemoteBaker, AStopEndsTheWaitingAndTheJob) {
   EXPECT_EQ(outcome_of(baked.error().code), Outcome::kCancelled);
   test::require_eventually(test::kPatience, "the work to be cancelled",
                            [&] { return farm.server.control->cancelled > 0; });
-}
-
-TEST(RemoteBaker, SaysWhatIsWrongWithTheServerBeforeTheFirstJob) {
-  const auto words = [](const FakeReply& reply, const std::string& token = "") {
-    const FakeServer server([&](const FakeRequest&) { return reply; });
-    const auto baker = baker_at(server.port(), short_pauses(), token);
-    if (!token.empty()) {
-      EXPECT_THAT(server.requests()[0].head, HasSubstr("Authorization: Bearer " + token + "\r\n"));
-    }
-    return baker ? "" : to_line(baker.error());
-  };
-  EXPECT_THAT(words(FakeReply::answer(200, "<html></html>")), HasSubstr("is not a fracture-server"));
-  EXPECT_THAT(words(FakeReply::answer(404, "")), HasSubstr("status 404"));
-  const json other{{"name", "fracture-server"}, {"algorithm", kAlgorithmVersion + 1}};
-  EXPECT_THAT(words(FakeReply::answer(200, other.dump())),
-              HasSubstr("has algorithm version " + std::to_string(kAlgorithmVersion + 1)));
-  EXPECT_THAT(words(problem(401, "unauthorized"), "wrong"), HasSubstr("FRACTURE_TOKEN"));
-
-  Patience none = short_pauses();
-  none.total = std::chrono::milliseconds(0);
-  const test::DeafPort deaf;
-  const auto absent = baker_at(deaf.port, none);
-  ASSERT_FALSE(absent);
-  EXPECT_EQ(outcome_of(absent.error().code), Outcome::kUnavailable);
-  EXPECT_THAT(to_line(absent.error()),
-              HasSubstr("127.0.0.1:" + std::to_string(deaf.port) + " does not answer"));
-}
-
-TEST(RemoteBaker, SaysAnIpv6AddressInBrackets) {
-  const FakeServer server([&](const FakeRequest&) { return problem(401, "unauthorized"); });
-  protocol::ConnectionSettings settings;
-  settings.host = "::ffff:127.0.0.1";
-  settings.port = server.port();
-  settings.connect_timeout = settings.answer_timeout = std::chrono::hours(1);
-  Patience none = short_pauses();
-  none.total = std::chrono::milliseconds(0);
-  const auto refused = remote_baker({settings, none}, {}, [](const std::string&) {});
-  ASSERT_FALSE(refused);
-  const std::string said = to_line(refused.error()),
-                    authority = "[::ffff:127.0.0.1]:" + std::to_string(server.port());
-  if (said.find("not supported") != std::string::npos) GTEST_SKIP() << "there is no IPv6 here: " << said;
-  EXPECT_THAT(said, testing::StartsWith(authority + " refuses the token"));
-  EXPECT_THAT(server.requests()[0].head, HasSubstr("Host: " + authority + "\r\n"));
 }
 
 TEST(RemoteBaker, SaysThatItWaitsAndThatItWentOn) {

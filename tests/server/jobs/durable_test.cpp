@@ -1,4 +1,4 @@
-// Jobs that outlive their server. Here the server is shut down and the process stays; jobs_restart_test.cpp
+// Jobs that outlive their server. Here the server is shut down and the process stays; restart_test.cpp
 // kills real servers.
 #include <gtest/gtest.h>
 
