@@ -17,6 +17,7 @@
 #include "common/base/json_reader.hpp"
 #include "common/base/printable.hpp"
 #include "common/base/words.hpp"
+#include "common/import/file_positions.hpp"
 #include "common/import/gltf_materials.hpp"
 #include "common/import/mesh_builder.hpp"
 #include "common/import/preflight.hpp"
@@ -259,11 +260,20 @@ class Importer3mf {
     const ModelPart& root = part(path);
     if (root.build.empty())
       refuse(ErrorCode::kEmptyMesh, "The 3MF package has no build items: nothing in it is to be made.");
-    for (const Instance& item : root.build) add(item, path, Transform{}, kNoIndex, 0);
+    const auto add_all = [&] {
+      instances_ = visited_ = left_out_ = 0;
+      for (const Instance& item : root.build) add(item, path, Transform{}, kNoIndex, 0);
+    };
+    measuring_ = true;
+    add_all();
+    measuring_ = false;
+    offset_ = offset_for(box_);
+    add_all();
     tell();
     builder_.set_library(materials_.take());
     Mesh mesh = or_throw(builder_.finish());
-    mesh.frame = {.metres = root.metres, .metres_stated = true, .z_up = true, .up_stated = true};
+    mesh.frame = {
+        .metres = root.metres, .metres_stated = true, .z_up = true, .up_stated = true, .offset = offset_};
     return mesh;
   }
 
@@ -281,7 +291,7 @@ class Importer3mf {
     return *known;
   }
 
-  /// `from`: the part that has the instance.
+  /// Adds the instance to the mesh or, while measuring, to the box. `from`: the part that has it.
   void add(const Instance& instance, const std::string& from, const Transform& parent, std::uint32_t group,
            int depth) {
     const std::string path = instance.part.empty() ? from : instance.part;
@@ -307,7 +317,8 @@ class Importer3mf {
                             : instance.transform == Transform{} ? parent
                                                                 : parent * instance.transform;
     if (!object.triangles.empty()) add_mesh(of, object, instance.object, world, group);
-    const std::uint32_t below = object.components.empty() ? group : builder_.add_group(object.name, group);
+    const std::uint32_t below =
+        object.components.empty() || measuring_ ? group : builder_.add_group(object.name, group);
     for (const Instance& component : object.components) add(component, path, world, below, depth + 1);
   }
 
@@ -326,10 +337,17 @@ class Importer3mf {
     const bool has_uvs = !object.uvs.empty();
     const auto place = [&](std::uint32_t v) {
       const Vec3d& p = object.vertices[v];
-      return to_float(identity ? p : world.point(p));
+      return (identity ? p : world.point(p)) - offset_;
     };
+    if (measuring_) {
+      for (const auto& triangle : object.triangles)
+        for (const std::uint32_t v : triangle)
+          if (const Vec3d p = place(v); FilePositions::fits(p)) box_.add(p);
+      return;
+    }
     if (!has_uvs)
-      for (std::uint32_t v = 0; v < object.vertices.size(); ++v) surface.positions.push_back(place(v));
+      for (std::uint32_t v = 0; v < object.vertices.size(); ++v)
+        surface.positions.push_back(to_float(place(v)));
     else
       surface.attributes.uvs.emplace_back();
     std::size_t next = 0, left_out_until = 0;
@@ -339,7 +357,7 @@ class Importer3mf {
       if (t < left_out_until) continue;
       std::array<std::uint32_t, 3> corners = object.triangles[t];
       for (std::size_t k = 0; has_uvs && k < 3; ++k) {
-        surface.positions.push_back(place(corners[k]));
+        surface.positions.push_back(to_float(place(corners[k])));
         surface.attributes.uvs[0].push_back(t < object.uvs.size() ? object.uvs[t][k] : Vec2f{});
         corners[k] = static_cast<std::uint32_t>(surface.positions.size() - 1);
       }
@@ -376,6 +394,9 @@ class Importer3mf {
   Materials materials_;
   Modifiers modifiers_;
   std::map<std::string, std::unique_ptr<const ModelPart>> parts_;
+  bool measuring_ = false;
+  Box box_;       ///< of all surfaces
+  Vec3d offset_;  ///< subtracted from all positions (file_positions.hpp)
   std::uint64_t instances_ = 0, visited_ = 0, left_out_ = 0, blended_ = 0, unread_ = 0;
 };
 
