@@ -141,6 +141,16 @@ def _cut(text: str, size: int) -> str:
     return text.encode("utf-8", "replace")[:size].decode("utf-8", "ignore")
 
 
+def _unique(name: str, taken: Set[str]) -> str:
+    """Returns the name, with _2, _3, ... if it is taken, because numbers with more digits may have made a fragment's name equal to it."""
+    unique, number = name, 1
+    while unique in taken:
+        number += 1
+        unique = f"{_cut(name, MOST_NAME - 1 - len(str(number)))}_{number}"
+    taken.add(unique)
+    return unique
+
+
 def _bonds(whole: Glb, figures: Json, pieces: List[_Piece]) -> Json:
     """Returns the bonds between unchanged fragments, and the bonds in the delta. All are sorted, and go from the earlier fragment to the
     later one."""
@@ -225,13 +235,15 @@ def _write_scene(document: Json, whole: Glb, pieces: List[_Piece], figures: Json
         children += [{**child, "name": _renamed(child.get("name", ""), piece, str(piece.node["name"]))} for child in below]
     nodes += children
     passing = []
+    taken = {"Fracture", *(str(each.get("name", "")) for each in (*nodes[1:], *meshes))}
     for kept in _passing_through(whole):
         passing.append(len(nodes))
-        if "mesh" not in kept:
-            nodes.append(copy.deepcopy(kept))
-            continue
-        nodes.append({**kept, "mesh": len(meshes)})
-        meshes.append(buffers.add_mesh(whole, kept["mesh"]))
+        kept = {**copy.deepcopy(kept), "name": _unique(str(kept.get("name", "")), taken)}
+        if "mesh" in kept:
+            copied = buffers.add_mesh(whole, kept["mesh"])
+            kept["mesh"] = len(meshes)
+            meshes.append({**copied, "name": kept["name"]})
+        nodes.append(kept)
     nodes[0] = {**_root(whole), "children": [*range(1, 1 + len(pieces)), *passing], "extras": {"fracture": figures}}
     extensions = _document_extensions(whole, pieces, list(numbers), list(range(first_hull, first_hull + hull_count)))
     if extensions:

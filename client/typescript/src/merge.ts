@@ -33,6 +33,14 @@ function cut(text: string, size: number): string {
   return kept;
 }
 
+/** Returns the name, with _2, _3, … if it is taken, because numbers with more digits may have made a fragment's name equal to it. */
+function uniqueName(name: string, taken: Set<string>): string {
+  let unique = name;
+  for (let number = 2; taken.has(unique); ++number) unique = `${cut(name, 62 - String(number).length)}_${number}`;
+  taken.add(unique);
+  return unique;
+}
+
 /** Returns the number of bytes for the name of a fragment, and the number of digits for those of hulls. The names of its hulls, colliders
  *  and sheets, which are longer, have at most 63 bytes. */
 function nameRoom(sources: Source[]): { room: number; digits: number } {
@@ -249,15 +257,17 @@ function write(before: Glb, changes: Glb, now: Figures, sources: Source[], bonds
   }
 
   const root = changes.json.nodes![0]!, others: GltfNode[] = [];  // uncut nodes of the mesh; a delta may omit these nodes
+  const taken = new Set(['Fracture', ...[...fragmentNodes, ...childNodes, ...meshes].map(({ name }) => name ?? '')]);
   for (const index of before.json.nodes![0]!.children ?? []) {
     const node = before.json.nodes![index]!;
     if (fractureOf(node)) continue;
+    const name = uniqueName(node.name ?? '', taken);
     if (node.mesh === undefined) {
-      others.push(node);
+      others.push({ ...node, name });
       continue;
     }
-    others.push({ ...node, mesh: meshes.length });
-    meshes.push(copier.copy(before, before.json.meshes![node.mesh]!));
+    others.push({ ...node, name, mesh: meshes.length });
+    meshes.push({ ...copier.copy(before, before.json.meshes![node.mesh]!), name });
   }
   const first = 1 + sources.length, behind = first + childNodes.length;
   const stated = (parameters: Record<string, any>) => ({ ...parameters, delta: 'stated' });
