@@ -156,7 +156,8 @@ void read_bambu(const std::string& text, Modifiers& modifiers) {
 /// Converts materials, and gives each of them a slot when it is first used.
 class Materials {
  public:
-  Materials(const Package& package, Remarks& remarks) : package_(package), remarks_(remarks) {}
+  Materials(const Package& package, Remarks& remarks, std::vector<Dropped>& dropped)
+      : package_(package), remarks_(remarks), dropped_(dropped) {}
 
   /// `material`: must live as long as this object.
   std::uint32_t slot(const threemf::Material& material) {
@@ -229,6 +230,9 @@ class Materials {
               : "The image \"" + shortened(name) +
                     "\" is neither PNG nor JPEG and was left out. Surfaces that use it have no texture "
                     "in the answer. Convert it to PNG or JPEG.");
+      dropped_.push_back(
+          {"image", name,
+           image.bytes.empty() ? "the package does not contain it" : "it is neither PNG nor JPEG"});
       return kNoIndex;
     }
     image.name = name_as_utf8(path.substr(path.find_last_of('/') + 1));
@@ -239,6 +243,7 @@ class Materials {
 
   const Package& package_;
   Remarks& remarks_;
+  std::vector<Dropped>& dropped_;
   MaterialLibrary library_;
   std::map<std::string, std::uint32_t> slots_;  ///< by content
   std::map<const threemf::Material*, std::uint32_t>
@@ -250,7 +255,9 @@ class Materials {
 class Importer3mf {
  public:
   Importer3mf(std::span<const std::byte> bytes, const ImportLimits& limits)
-      : package_(bytes, limits), builder_(limits), materials_(package_, builder_.remarks()) {}
+      : package_(bytes, limits),
+        builder_(limits),
+        materials_(package_, builder_.remarks(), builder_.dropped()) {}
 
   Mesh read() {
     const std::string path = root_path(package_);
