@@ -102,7 +102,8 @@ void read_materials(const MaterialLibrary& library, Model& model) {
     model.pictures.push_back(picture ? std::move(*picture) : Picture(1, 1, {128, 128, 128, 255}));
   }
   const std::set<std::string> known = {"KHR_materials_transmission", "KHR_materials_ior",
-                                       "KHR_materials_emissive_strength"};
+                                       "KHR_materials_emissive_strength",
+                                       "KHR_materials_variants"};  // the default materials are shown
   for (const std::string& name : library.extensions_used)
     if (known.count(name) == 0) model.warnings.push_back("The extension " + name + " is not supported.");
 }

@@ -69,16 +69,16 @@ void write_extensions_used(JsonText& json, const FragmentSet& set, const GltfOpt
 
 void write_document_extensions(JsonText& json, const FragmentSet& set, const GltfOptions& options,
                                const SceneLayout& layout, const IntactScene& intact) {
-  if (set.fragments.empty()) return;
-  if (options.physics == Physics::kKhr) {
-    json.key("extensions").begin_object();
-    write_khr_physics_document(json, layout, options);
-    json.end_object();
-  } else if (options.physics == Physics::kOmi && layout.has_hulls()) {
-    json.key("extensions").begin_object();
-    write_omi_physics_document(json, layout, intact);
-    json.end_object();
-  }
+  const bool fragments = !set.fragments.empty(), khr = fragments && options.physics == Physics::kKhr,
+             omi = fragments && options.physics == Physics::kOmi && layout.has_hulls();
+  const auto& variants = set.source->library->variants;
+  if (!khr && !omi && variants.empty()) return;
+  json.key("extensions").begin_object();
+  if (!variants.empty())
+    json.key("KHR_materials_variants").begin_object().member("variants", variants).end_object();
+  if (khr) write_khr_physics_document(json, layout, options);
+  if (omi) write_omi_physics_document(json, layout, intact);
+  json.end_object();
 }
 
 /// Returns the position of the root's `extras.fracture` object in the text.

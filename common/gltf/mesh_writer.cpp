@@ -10,35 +10,26 @@
 #include "common/solid/solid.hpp"
 
 namespace fracture {
-namespace {
-
-/// Whether the material (or one of its extensions) has a normal map. Only such materials need tangents.
-bool has_normal_texture(const nlohmann::json& value, Pacer& pacer) {
-  if (!value.is_object()) return false;
-  pacer.step(8);
-  for (const auto& [key, child] : value.items()) {
-    if (key == "extras") continue;
-    if (key == "normalTexture" || key == "clearcoatNormalTexture" || has_normal_texture(child, pacer))
-      return true;
-  }
-  return false;
-}
-
-}  // namespace
 
 MeshWriter::MeshWriter(const MaterialLibrary& library, const InteriorMaterials& interior,
                        const ExteriorMaterials& exterior, bool mesh_manifold, Accessors& accessors)
     : accessors_(accessors),
       mesh_manifold_(mesh_manifold),
+      library_(library),
       interior_(interior),
       exterior_(exterior),
       first_interior_(library.materials.size()),
       first_exterior_(first_interior_ + interior.materials.size() + interior.cavities.size()) {
   Pacer pacer(accessors.execution());
-  for (const auto& material : library.materials)
-    normal_mapped_.push_back(has_normal_texture(material, pacer));
+  const auto step = [&] { pacer.step(8); };
+  for (const auto& material : library.materials) normal_mapped_.push_back(has_normal_map(material, step));
+  const std::vector<bool> own = normal_mapped_;
+  for (std::size_t k = 0; k < library.variant_mappings.size(); ++k) {
+    pacer.step();
+    for (const std::size_t look : looks_of(library, k)) normal_mapped_[k] = normal_mapped_[k] || own[look];
+  }
   for (const auto* list : {&interior.materials, &interior.cavities, &exterior.materials})
-    for (const auto& material : *list) normal_mapped_.push_back(has_normal_texture(material, pacer));
+    for (const auto& material : *list) normal_mapped_.push_back(has_normal_map(material, step));
   std::fill_n(normal_mapped_.begin() + static_cast<std::ptrdiff_t>(first_interior_), interior.in_relief,
               true);
 }
@@ -116,6 +107,12 @@ void MeshWriter::put_attributes(const Fragment& f, const MeshFigures& figures) {
         Bearers::kMappedCuts);
 }
 
+void MeshWriter::write_variants(JsonText& json, std::size_t material) const {
+  if (material >= library_.variant_mappings.size() || library_.variant_mappings[material].empty()) return;
+  json.key("extensions").begin_object();
+  json.member("KHR_materials_variants", library_.variant_mappings[material]).end_object();
+}
+
 void MeshWriter::write(JsonText& json, const Fragment& f, const MeshFigures& figures,
                        const std::string& name) {
   write(json, f, figures, name, exterior_);
@@ -159,7 +156,10 @@ void MeshWriter::write(JsonText& json, const Fragment& f, const MeshFigures& fig
                 accessors_.add(index_view, indices_at + bytes * p.first_index,
                                wide ? component_type::kUnsignedInt : component_type::kUnsignedShort,
                                p.index_count, "SCALAR"));
-    if (materials_[k]) json.member("material", *materials_[k]);
+    if (materials_[k]) {
+      json.member("material", *materials_[k]);
+      write_variants(json, *materials_[k]);
+    }
     json.end_object();
   }
   json.end_array();

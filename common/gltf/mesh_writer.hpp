@@ -45,13 +45,16 @@ class MeshWriter {
   bool is_mapped(std::size_t primitive) const {
     return materials_[primitive] && normal_mapped_[*materials_[primitive]];
   }
+  /// Writes the variants of a primitive that has this material of the file, if the source has any for it.
+  void write_variants(JsonText& json, std::size_t material) const;
 
   Accessors& accessors_;
   bool mesh_manifold_;
+  const MaterialLibrary& library_;
   const InteriorMaterials& interior_;
   const ExteriorMaterials& exterior_;
   std::size_t first_interior_ = 0, first_exterior_ = 0;  ///< indices of materials in the file
-  std::vector<bool> normal_mapped_;
+  std::vector<bool> normal_mapped_;                      ///< per material of the file: itself or in a variant
   std::deque<MovedUvs> moved_uvs_;
   // The mesh that is being written: its attributes, and the material of each primitive.
   enum class Bearers { kAll, kMapped, kMappedCuts };

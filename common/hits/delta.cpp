@@ -111,6 +111,7 @@ CutCells::Whole figures_of(const BrokenSolid& broken, const Execution& execution
     pacer.step(8);
     whole.volumes.push_back(body_volume(kept->fragment));
     whole.triangles += kept->fragment.indices.size() / 3;
+    whole.nodes.push_back(kept->fragment.node);
     whole.hulls.hulls += static_cast<std::uint32_t>(kept->hulls.hulls.size());
     whole.hulls.flat += kept->hulls.flat;
     whole.hulls.simplified += kept->hulls.simplified;

@@ -280,6 +280,7 @@ Expected<Mesh> import_with_assimp(std::span<const std::byte> bytes, MeshFormat f
     MeshBuilder builder(limits);
     TranslatedMaterials materials = translate_materials(*scene, files);
     builder.remarks().add(materials.remarks);
+    builder.dropped() = std::move(materials.dropped);
     builder.set_library(std::move(materials.library));
     add_dropped(*scene, builder.dropped());
     const Vec3d offset = offset_of(*scene);

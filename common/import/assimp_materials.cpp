@@ -43,7 +43,7 @@ PlainMaterial plain_from_assimp(const aiMaterial& source) {
 
 TranslatedMaterials translate_materials(const aiScene& scene, std::span<const ImportFile> files) {
   TranslatedMaterials out;
-  FileTextures textures(files, out.library, out.remarks);
+  FileTextures textures(files, out.library, out.remarks, out.dropped);
   const auto find_texture = [&](const std::string& path) {
     const aiTexture* embedded = scene.GetEmbeddedTexture(path.c_str());
     if (embedded == nullptr || embedded->mHeight != 0) return textures.texture(path);

@@ -19,6 +19,7 @@ struct TranslatedMaterials {
   std::vector<std::uint32_t>
       slot;  ///< per Assimp material: index into the library, or kNoIndex for its placeholder
   Remarks remarks;
+  std::vector<Dropped> dropped;
 };
 
 TranslatedMaterials translate_materials(const aiScene& scene, std::span<const ImportFile> files);

@@ -35,6 +35,14 @@ std::uint64_t uv_sets_needed(const json& value) {
   return std::min(needed, kMaxUvSets);
 }
 
+/// Returns kNoIndex if the material has no normal map.
+std::uint32_t uv_set_of_normal_map(const json& material) {
+  const auto it = material.find("normalTexture");
+  if (it == material.end() || !it->is_object()) return kNoIndex;
+  const std::uint64_t number = index_at(*it, "texCoord", 0);
+  return number < kMaxUvSets ? static_cast<std::uint32_t>(number) : kNoIndex;
+}
+
 void clamp_colors(Mesh& mesh) {
   bool changed = false;
   const auto clamp = [&changed](float& c) {
@@ -109,13 +117,11 @@ void complete_attributes(Mesh& mesh) {
   bool any_normal_map = false;
   for (std::size_t m = 0; m < materials.size(); ++m) {
     if (!used[m]) continue;
-    sets = std::max(sets, uv_sets_needed(materials[m]));
-    const auto it = materials[m].find("normalTexture");
-    if (it == materials[m].end() || !it->is_object()) continue;
-    const std::uint64_t number = index_at(*it, "texCoord", 0);
-    if (number >= kMaxUvSets) continue;
-    normal_map[m] = static_cast<std::uint32_t>(number);
-    any_normal_map = true;
+    for (const std::size_t look : looks_of(*mesh.library, m)) {
+      sets = std::max(sets, uv_sets_needed(materials[look]));
+      if (normal_map[m] == kNoIndex) normal_map[m] = uv_set_of_normal_map(materials[look]);
+    }
+    any_normal_map = any_normal_map || normal_map[m] != kNoIndex;
   }
   if (sets > mesh.attributes.uvs.size()) {
     mesh.remarks.warn(

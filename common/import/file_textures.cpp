@@ -28,6 +28,8 @@ std::uint32_t FileTextures::texture(const std::string& path, std::span<const std
                       : "The image \"" + shortened(name) +
                             "\" is neither PNG nor JPEG and was left out. Surfaces that use it have no "
                             "texture in the answer. Convert it to PNG or JPEG.");
+    dropped_.push_back(
+        {"image", name, image.bytes.empty() ? "its file was not given" : "it is neither PNG nor JPEG"});
     return known_[path] = kNoIndex;
   }
   image.name = name_as_utf8(path.substr(path.find_last_of("/\\") + 1));

@@ -1,12 +1,14 @@
 #include "common/import/gltf_document.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <optional>
 
 #include "common/import/gltf_compression.hpp"
 #include "common/import/gltf_dropped.hpp"
 #include "common/import/gltf_extensions.hpp"
 #include "common/import/gltf_materials.hpp"
+#include "common/import/gltf_variants.hpp"
 #include "common/import/preflight.hpp"
 #include "common/import/refused.hpp"
 #include "common/import/uri.hpp"
@@ -380,10 +382,13 @@ GltfDocument read_gltf_document(std::span<const std::byte> bytes, MeshFormat for
                          unsigned_at(views[view], "byteOffset", 0, pointer),
                          unsigned_at(views[view], "byteLength", kRequired, pointer), pointer);
   };
-  document.library = read_materials(document.json, view_bytes, files, document.remarks);
+  std::vector<Dropped> looks;
+  document.library = read_materials(document.json, view_bytes, files, document.remarks, looks);
   if (document.json["asset"].contains("copyright") && document.json["asset"]["copyright"].is_string())
     document.copyright = document.json["asset"]["copyright"].get<std::string>();
   document.dropped = dropped_from(document.json);
+  std::ranges::move(looks, std::back_inserter(document.dropped));
+  read_variants(document.json, document.library, document.dropped);
   document.center = center_of(document.json);
 
   gather_views(document, buffers, limits);

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "common/import/gltf_extensions.hpp"
+#include "common/mesh/material_library.hpp"
 #include "common/mesh/source_tree.hpp"
 
 namespace fracture {
@@ -100,17 +101,40 @@ std::set<std::string> names_read(const json& attributes) {
   return names;
 }
 
-void add_primitive(const json& primitive, const std::string& mesh, std::vector<Dropped>& dropped) {
+bool uses_normal_map(const json& document, const json& holder) {
+  const json& materials = list_in(document, "materials");
+  const auto index = index_in(holder, "material");
+  return index && *index < materials.size() && has_normal_map(materials[*index], [] {});
+}
+
+/// Whether fragments need the primitive's tangents, because its material or that of a variant has a normal map.
+bool needs_tangents(const json& document, const json& primitive) {
+  const json& mappings = list_in(extension_in(primitive, "KHR_materials_variants"), "mappings");
+  return uses_normal_map(document, primitive) ||
+         std::any_of(mappings.begin(), mappings.end(),
+                     [&](const json& mapping) { return uses_normal_map(document, mapping); });
+}
+
+void add_primitive(const json& document, const json& primitive, const std::string& mesh,
+                   std::vector<Dropped>& dropped) {
   add_extras(primitive, "a primitive of " + mesh, dropped);
   const std::uint64_t mode = index_in(primitive, "mode").value_or(4);
   if (mode < 4) dropped.push_back({mode == 0 ? "points" : "lines", mesh, "only triangles are fractured"});
+  if (mode > 6) dropped.push_back({"primitive", mesh, "its mode is not one of glTF 2.0"});
   const auto attributes = primitive.is_object() ? primitive.find("attributes") : primitive.end();
-  if (mode < 4 || attributes == primitive.end() || !attributes->is_object()) return;
+  if (mode < 4 || mode > 6 || attributes == primitive.end() || !attributes->is_object()) return;
+  if (!attributes->contains("POSITION")) {
+    dropped.push_back({"primitive", mesh, "it has no positions"});
+    return;
+  }
   const std::set<std::string> read = names_read(*attributes);
   for (const auto& [name, unused] : attributes->items())
     if (!read.contains(name))
       dropped.push_back({"attribute", name + " of " + mesh,
                          "fragments have only positions, normals, tangents, UVs and colours"});
+  if (attributes->contains("TANGENT") && !needs_tangents(document, primitive))
+    dropped.push_back({"attribute", "TANGENT of " + mesh,
+                       "only surfaces with a normal map need tangents, and this one has none"});
   if (!list_in(primitive, "targets").empty())
     dropped.push_back(
         {"morph targets", mesh, "they are applied at their default weights; fragments do not morph"});
@@ -181,15 +205,13 @@ std::vector<Dropped> dropped_from(const json& document) {
   add_all(list_in(document, "animations"), "animations", "animation", "fragments are not animated", dropped);
   add_all(list_in(document, "skins"), "skins", "skin", "its pose is applied; fragments have no bones",
           dropped);
-  add_all(list_in(extension_in(document, "KHR_materials_variants"), "variants"),
-          "extensions/KHR_materials_variants/variants", "material variant",
-          "surfaces have their default materials", dropped);
   add_scenes(document, dropped);
   const json& meshes = list_in(document, "meshes");
   for (std::size_t k = 0; k < meshes.size(); ++k) {
     const std::string mesh = name_or(meshes[k], pointer_to("meshes", k));
     add_extras(meshes[k], mesh, dropped);
-    for (const json& primitive : list_in(meshes[k], "primitives")) add_primitive(primitive, mesh, dropped);
+    for (const json& primitive : list_in(meshes[k], "primitives"))
+      add_primitive(document, primitive, mesh, dropped);
   }
   add_extras(document, "/extras", dropped);
   if (const auto asset = document.find("asset"); asset != document.end())

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "common/import/gltf_materials.hpp"
+#include "common/import/gltf_variants.hpp"
 #include "common/import/refused.hpp"
 
 namespace fracture {
@@ -41,7 +42,7 @@ constexpr Harmless kHarmless[] = {
     {"EXT_lights_image_based", kNoLights},
     {"EXT_lights_ies", kNoLights},
     {"KHR_environment_map", kNoLights},
-    {"KHR_materials_variants", "surfaces have their default materials"},
+    {"KHR_materials_variants", "the file has no list of variants"},
     {"KHR_texture_procedurals", kLooks},
     {"EXT_texture_video", kLooks},
     {"EXT_texture_procedurals_mx_1_39", kLooks},
@@ -142,6 +143,7 @@ std::vector<Dropped> dropped_extensions(const json& document) {
   std::vector<Dropped> dropped;
   for (const std::string& name : names) {
     if (is_applied(name) || is_material_extension(name)) continue;
+    if (name == "KHR_materials_variants" && has_variants(document)) continue;  // see read_variants()
     const Harmless* const known = harmless(name);
     dropped.push_back({"extension", name, known != nullptr ? known->reason : kNotApplied});
   }

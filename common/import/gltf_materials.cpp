@@ -67,7 +67,7 @@ void drop_extras(json& value) {
 
 /// Limits the memory of the materials. They are kept with the mesh as parsed JSON, which takes up to thirty
 /// times its text.
-void bound(MaterialLibrary& library, Remarks& remarks) {
+void bound(MaterialLibrary& library, Remarks& remarks, std::vector<Dropped>& dropped) {
   json* const lists[] = {&library.materials, &library.textures, &library.samplers};
   const auto held = [&] { return json_bytes(*lists[0]) + json_bytes(*lists[1]) + json_bytes(*lists[2]); };
   if (held() <= kMaxLibraryBytes) return;
@@ -77,6 +77,7 @@ void bound(MaterialLibrary& library, Remarks& remarks) {
            "The materials take " + std::to_string(bytes) + " bytes in memory; the limit is " +
                std::to_string(kMaxLibraryBytes) + ".",
            "/materials", {{"bytes", bytes}, {"limit", kMaxLibraryBytes}});
+  dropped.push_back({"extras", "/materials", "with them the materials would take too much memory"});
   remarks.warn(
       "The materials' extras were left out, because with them the materials would take more than " +
       grouped(kMaxLibraryBytes >> 20) +
@@ -145,10 +146,14 @@ void remap_textures(json& value, const Remap& textures) {
 
 std::optional<Image> read_image(const json& source, const ViewBytes& view_bytes,
                                 std::span<const ImportFile> files, const std::string& pointer,
-                                Remarks& remarks) {
+                                Remarks& remarks, std::vector<Dropped>& dropped) {
   Image image;
   if (const auto it = source.find("name"); it != source.end() && it->is_string())
     image.name = it->get<std::string>();
+  const auto drop = [&](const std::string& otherwise, const char* reason) {
+    dropped.push_back({"image", image.name.empty() ? otherwise : image.name, reason});
+    return std::nullopt;
+  };
   if (const auto it = source.find("mimeType"); it != source.end() && it->is_string())
     image.mime_type = it->get<std::string>();
   if (source.contains("bufferView")) {
@@ -168,14 +173,14 @@ std::optional<Image> read_image(const json& source, const ViewBytes& view_bytes,
       if (image.name.empty()) image.name = text.substr(text.rfind('/') + 1);
     } else {
       remarks.warn(in_another_file(text));
-      return std::nullopt;
+      return drop(text, "its file was not given");
     }
   } else {
     remarks.warn(
         "The image at " + pointer +
         " has no data and was left out. Surfaces that use it have no texture in the answer. Export the "
         "file again with its images.");
-    return std::nullopt;
+    return drop(pointer, "it has no data");
   }
   // The bytes determine the type; a wrong declaration would be an error in the output file.
   if (const std::string sniffed = sniff_image(image.bytes); !sniffed.empty()) image.mime_type = sniffed;
@@ -184,7 +189,7 @@ std::optional<Image> read_image(const json& source, const ViewBytes& view_bytes,
         "The image at " + pointer +
         " is in an unknown format and was left out. Surfaces that use it have no texture in the answer. "
         "Convert it to PNG or JPEG.");
-    return std::nullopt;
+    return drop(pointer, "its format is unknown");
   }
   return image;
 }
@@ -218,7 +223,8 @@ std::string sniff_image(std::span<const std::uint8_t> bytes) {
 }
 
 MaterialLibrary read_materials(const json& document, const ViewBytes& view_bytes,
-                               std::span<const ImportFile> files, Remarks& remarks) {
+                               std::span<const ImportFile> files, Remarks& remarks,
+                               std::vector<Dropped>& dropped) {
   MaterialLibrary library;
   library.materials = copy_array(document, "materials");
   library.textures = copy_array(document, "textures");
@@ -229,7 +235,8 @@ MaterialLibrary read_materials(const json& document, const ViewBytes& view_bytes
 
   Remap image_map(images.size(), kNoIndex);
   for (std::size_t k = 0; k < images.size(); ++k)
-    if (auto image = read_image(images[k], view_bytes, files, "/images/" + std::to_string(k), remarks)) {
+    if (auto image =
+            read_image(images[k], view_bytes, files, "/images/" + std::to_string(k), remarks, dropped)) {
       image_map[k] = static_cast<std::uint32_t>(library.images.size());
       library.images.push_back(std::move(*image));
     }
@@ -248,7 +255,7 @@ MaterialLibrary read_materials(const json& document, const ViewBytes& view_bytes
   library.textures = std::move(textures);
   remap_textures(library.materials, texture_map);
 
-  bound(library, remarks);
+  bound(library, remarks, dropped);
 
   std::set<std::string> used;
   for (const json* array : {&library.materials, &library.textures, &library.samplers})

@@ -24,10 +24,11 @@ using ViewBytes =
     std::function<std::span<const std::uint8_t>(std::uint64_t view, const std::string& pointer)>;
 
 /// Reads the materials. Images come from bufferViews, data uris and files of the upload. Any other image is
-/// dropped with a warning, together with every texture that uses it and every reference to such a texture.
-/// Throws Refused.
+/// dropped with a warning and an entry in `dropped`, together with every texture that uses it and every reference to such a
+/// texture. Throws Refused.
 MaterialLibrary read_materials(const nlohmann::json& document, const ViewBytes& view_bytes,
-                               std::span<const ImportFile> files, Remarks& remarks);
+                               std::span<const ImportFile> files, Remarks& remarks,
+                               std::vector<Dropped>& dropped);
 
 /// Returns "image/png" … from the first bytes; empty if the kind is unknown.
 std::string sniff_image(std::span<const std::uint8_t> bytes);

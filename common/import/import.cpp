@@ -112,7 +112,7 @@ void state_frame(Mesh& mesh, FormatFrame frame) {
 /// materials are numerous have limits of their own, which are lower.
 Expected<void> limit_materials(const MaterialLibrary& library) {
   constexpr std::size_t kMost = kMaxLibraryBytes / 2 * 3;
-  for (const nlohmann::json* list : {&library.materials, &library.textures, &library.samplers})
+  for (const nlohmann::json* list : json_lists(library))
     if (json_bytes(*list) > kMost)
       return fail(ErrorCode::kTooLarge,
                   "The materials take more than " + std::to_string(kMost) +

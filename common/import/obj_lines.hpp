@@ -11,8 +11,8 @@
 namespace fracture {
 
 /// The lines of a text, in time linear in its length. A line ends with LF, CR LF or CR, whatever the other lines end with. A
-/// backslash at the end of a line joins it with the next line, except in a comment, where a path may end with one. A byte
-/// order mark (UTF-8) is skipped.
+/// backslash at the end of a line joins it with the next line. In a comment, also after a statement, it does not, because a
+/// path may end with one. A byte order mark (UTF-8) is skipped.
 class ObjLines {
  public:
   explicit ObjLines(std::string_view text) : text_(text.starts_with("\xef\xbb\xbf") ? text.substr(3) : text) {
@@ -25,8 +25,8 @@ class ObjLines {
     if (at_ >= text_.size()) return false;
     number_ = read_ + 1;
     line = physical();
-    const auto goes_on = [&] { return line.ends_with('\\') && at_ < text_.size(); };
-    if (!goes_on() || is_comment(line)) return true;
+    const auto goes_on = [&] { return line.ends_with('\\') && at_ < text_.size() && !ends_in_comment(line); };
+    if (!goes_on()) return true;
     for (joined_.clear(); goes_on(); line = physical()) joined_ += line.substr(0, line.size() - 1);
     joined_ += line;
     line = joined_;
@@ -36,9 +36,11 @@ class ObjLines {
   std::uint64_t number() const { return number_; }
 
  private:
-  static bool is_comment(std::string_view line) {
-    const std::size_t first = line.find_first_not_of(" \t");
-    return first != std::string_view::npos && line[first] == '#';
+  /// Whether a word of the line begins with #.
+  static bool ends_in_comment(std::string_view line) {
+    for (std::size_t at = line.find('#'); at != std::string_view::npos; at = line.find('#', at + 1))
+      if (at == 0 || line[at - 1] == ' ' || line[at - 1] == '\t') return true;
+    return false;
   }
   std::size_t find(char end) const {
     const void* const found =

@@ -211,7 +211,7 @@ MaterialLibrary ObjMaterials::finish(const std::vector<bool>& used, Remarks& rem
                                      std::vector<Dropped>& dropped) {
   warn_about_libraries(used, remarks);
   MaterialLibrary library;
-  FileTextures textures(files_, library, remarks);
+  FileTextures textures(files_, library, remarks, dropped);
   const auto find_texture = [&textures](const std::string& name) { return textures.texture(name); };
   std::size_t held = 0;
   for (const Material& material : materials_) {

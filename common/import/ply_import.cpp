@@ -299,7 +299,7 @@ class PlyReader {
 };
 
 void add_ply_materials(const PlyHeader& header, std::span<const ImportFile> files, PolygonFile& file) {
-  FileTextures textures(files, file.library, file.remarks);
+  FileTextures textures(files, file.library, file.remarks, file.dropped);
   for (std::size_t k = 0; k < std::max<std::size_t>(1, header.textures.size()); ++k) {
     nlohmann::json material = plain_material({1, 1, 1});
     if (k < header.textures.size()) {

@@ -17,6 +17,7 @@
 #include "common/base/json_reader.hpp"
 #include "common/base/printable.hpp"
 #include "common/base/words.hpp"
+#include "common/import/file_positions.hpp"
 #include "common/import/gltf_materials.hpp"
 #include "common/import/mesh_builder.hpp"
 #include "common/import/preflight.hpp"
@@ -155,7 +156,8 @@ void read_bambu(const std::string& text, Modifiers& modifiers) {
 /// Converts materials, and gives each of them a slot when it is first used.
 class Materials {
  public:
-  Materials(const Package& package, Remarks& remarks) : package_(package), remarks_(remarks) {}
+  Materials(const Package& package, Remarks& remarks, std::vector<Dropped>& dropped)
+      : package_(package), remarks_(remarks), dropped_(dropped) {}
 
   /// `material`: must live as long as this object.
   std::uint32_t slot(const threemf::Material& material) {
@@ -228,6 +230,9 @@ class Materials {
               : "The image \"" + shortened(name) +
                     "\" is neither PNG nor JPEG and was left out. Surfaces that use it have no texture "
                     "in the answer. Convert it to PNG or JPEG.");
+      dropped_.push_back(
+          {"image", name,
+           image.bytes.empty() ? "the package does not contain it" : "it is neither PNG nor JPEG"});
       return kNoIndex;
     }
     image.name = name_as_utf8(path.substr(path.find_last_of('/') + 1));
@@ -238,6 +243,7 @@ class Materials {
 
   const Package& package_;
   Remarks& remarks_;
+  std::vector<Dropped>& dropped_;
   MaterialLibrary library_;
   std::map<std::string, std::uint32_t> slots_;  ///< by content
   std::map<const threemf::Material*, std::uint32_t>
@@ -249,7 +255,9 @@ class Materials {
 class Importer3mf {
  public:
   Importer3mf(std::span<const std::byte> bytes, const ImportLimits& limits)
-      : package_(bytes, limits), builder_(limits), materials_(package_, builder_.remarks()) {}
+      : package_(bytes, limits),
+        builder_(limits),
+        materials_(package_, builder_.remarks(), builder_.dropped()) {}
 
   Mesh read() {
     const std::string path = root_path(package_);
@@ -259,11 +267,20 @@ class Importer3mf {
     const ModelPart& root = part(path);
     if (root.build.empty())
       refuse(ErrorCode::kEmptyMesh, "The 3MF package has no build items: nothing in it is to be made.");
-    for (const Instance& item : root.build) add(item, path, Transform{}, kNoIndex, kNoIndex, 0);
+    const auto add_all = [&] {
+      instances_ = visited_ = left_out_ = 0;
+      for (const Instance& item : root.build) add(item, path, Transform{}, kNoIndex, kNoIndex, 0);
+    };
+    measuring_ = true;
+    add_all();
+    measuring_ = false;
+    offset_ = offset_for(box_);
+    add_all();
     tell();
     builder_.set_library(materials_.take());
     Mesh mesh = or_throw(builder_.finish());
-    mesh.frame = {.metres = root.metres, .metres_stated = true, .z_up = true, .up_stated = true};
+    mesh.frame = {
+        .metres = root.metres, .metres_stated = true, .z_up = true, .up_stated = true, .offset = offset_};
     return mesh;
   }
 
@@ -281,7 +298,7 @@ class Importer3mf {
     return *known;
   }
 
-  /// `from`: the part that has the instance.
+  /// Adds the instance to the mesh or, while measuring, to the box. `from`: the part that has it.
   /// `group`, `above`: of the objects that contain it, as a group and as a node of the source.
   void add(const Instance& instance, const std::string& from, const Transform& parent, std::uint32_t group,
            std::uint32_t above, int depth) {
@@ -307,10 +324,13 @@ class Importer3mf {
     const Transform world = parent == Transform{}               ? instance.transform
                             : instance.transform == Transform{} ? parent
                                                                 : parent * instance.transform;
-    const std::uint32_t own = builder_.add_source_node(
-        object.name.empty() && !object.triangles.empty() ? "mesh" : object.name, above);
+    const std::uint32_t own =
+        measuring_ ? above
+                   : builder_.add_source_node(
+                         object.name.empty() && !object.triangles.empty() ? "mesh" : object.name, above);
     if (!object.triangles.empty()) add_mesh(of, object, instance.object, world, group, own);
-    const std::uint32_t below = object.components.empty() ? group : builder_.add_group(object.name, group);
+    const std::uint32_t below =
+        object.components.empty() || measuring_ ? group : builder_.add_group(object.name, group);
     for (const Instance& component : object.components) add(component, path, world, below, own, depth + 1);
   }
 
@@ -329,10 +349,17 @@ class Importer3mf {
     const bool has_uvs = !object.uvs.empty();
     const auto place = [&](std::uint32_t v) {
       const Vec3d& p = object.vertices[v];
-      return to_float(identity ? p : world.point(p));
+      return (identity ? p : world.point(p)) - offset_;
     };
+    if (measuring_) {
+      for (const auto& triangle : object.triangles)
+        for (const std::uint32_t v : triangle)
+          if (const Vec3d p = place(v); FilePositions::fits(p)) box_.add(p);
+      return;
+    }
     if (!has_uvs)
-      for (std::uint32_t v = 0; v < object.vertices.size(); ++v) surface.positions.push_back(place(v));
+      for (std::uint32_t v = 0; v < object.vertices.size(); ++v)
+        surface.positions.push_back(to_float(place(v)));
     else
       surface.attributes.uvs.emplace_back();
     std::size_t next = 0, left_out_until = 0;
@@ -342,7 +369,7 @@ class Importer3mf {
       if (t < left_out_until) continue;
       std::array<std::uint32_t, 3> corners = object.triangles[t];
       for (std::size_t k = 0; has_uvs && k < 3; ++k) {
-        surface.positions.push_back(place(corners[k]));
+        surface.positions.push_back(to_float(place(corners[k])));
         surface.attributes.uvs[0].push_back(t < object.uvs.size() ? object.uvs[t][k] : Vec2f{});
         corners[k] = static_cast<std::uint32_t>(surface.positions.size() - 1);
       }
@@ -380,6 +407,9 @@ class Importer3mf {
   Materials materials_;
   Modifiers modifiers_;
   std::map<std::string, std::unique_ptr<const ModelPart>> parts_;
+  bool measuring_ = false;
+  Box box_;       ///< of all surfaces
+  Vec3d offset_;  ///< subtracted from all positions (file_positions.hpp)
   std::uint64_t instances_ = 0, visited_ = 0, left_out_ = 0, blended_ = 0, unread_ = 0;
 };
 

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <utility>
 
+#include "common/base/pacer.hpp"
 #include "common/base/printable.hpp"
 #include "common/base/words.hpp"
 #include "common/mesh/selection.hpp"
@@ -99,8 +100,12 @@ using Owners = std::shared_ptr<const std::vector<std::uint32_t>>;
 /// Finds the role of each node.
 class Cast {
  public:
-  explicit Cast(const Mesh& mesh)
-      : mesh_(mesh), count_(mesh.node_names.size()), role_(count_, Role::kMesh), owners_(count_) {
+  Cast(const Mesh& mesh, Pacer& pacer)
+      : mesh_(mesh),
+        pacer_(pacer),
+        count_(mesh.node_names.size()),
+        role_(count_, Role::kMesh),
+        owners_(count_) {
     find_nodes();
     find_levels();
     find_hulls();
@@ -116,21 +121,26 @@ class Cast {
  private:
   void find_nodes() {
     is_broken_.resize(count_);
-    for (const std::uint32_t node : mesh_.node)
-      if (node < count_) is_broken_[node] = true;
+    const auto mark = [&](std::vector<bool>& marks, const std::vector<std::uint32_t>& nodes) {
+      pacer_.each(0, nodes.size(), [&](std::size_t t) {
+        if (nodes[t] < count_) marks[nodes[t]] = true;
+      });
+    };
+    mark(is_broken_, mesh_.node);
     is_there_ = is_broken_;
-    if (mesh_.passed_through)
-      for (const std::uint32_t node : mesh_.passed_through->node)
-        if (node < count_) is_there_[node] = true;
+    if (mesh_.passed_through) mark(is_there_, mesh_.passed_through->node);
     hull_.resize(count_);
-    for (std::uint32_t k = 0; k < count_; ++k)
+    for (std::uint32_t k = 0; k < count_; ++k) {
+      pacer_.step(kName);
       if (is_there_[k]) hull_[k] = hull_in(mesh_.node_names[k]);
+    }
   }
 
   void find_levels() {
     std::set<std::string> stems;  // of nodes that are broken and have level 0
     std::vector<std::optional<Level>> level(count_);
     for (std::uint32_t k = 0; k < count_; ++k) {
+      pacer_.step(kName);
       if (!is_there_[k] || hull_[k]) continue;
       level[k] = level_in(mesh_.node_names[k]);
       if (level[k] && level[k]->level == 0 && is_broken_[k]) stems.insert(level[k]->stem);
@@ -154,6 +164,7 @@ class Cast {
     const std::vector<NodeGroup>& groups = mesh_.groups;
     std::vector<std::uint32_t> wanted(groups.size(), kNoIndex);  // the innermost group, from this one on
     for (std::uint32_t g = 0; g < groups.size(); ++g) {
+      pacer_.step(kName);
       const auto level = level_in(groups[g].name);
       if (named_.contains(groups[g].name) || (level && level->level == 0 && named_.contains(level->stem)))
         wanted[g] = g;
@@ -161,11 +172,13 @@ class Cast {
         wanted[g] = wanted[groups[g].parent];
     }
     for (std::uint32_t k = 0; k < count_; ++k) {
+      pacer_.step(kName);
       if (!is_broken_[k] || hull_[k]) continue;
       name_owner(k, mesh_.node_names[k]);
       constexpr int kMostGroups = 64;  // so that deep scenes cost linear time
       std::uint32_t group = k < mesh_.group_of_node.size() ? mesh_.group_of_node[k] : kNoIndex;
       for (int n = 0; n < kMostGroups && group != kNoIndex && wanted[group] != kNoIndex; ++n) {
+        pacer_.step(kName);
         name_owner(k, groups[wanted[group]].name);
         group = groups[wanted[group]].parent;
       }
@@ -181,6 +194,7 @@ class Cast {
     std::map<std::string, Owners> kept;  // without levels of detail
     for (const auto& [name, nodes] : named_) {
       std::vector<std::uint32_t> left;
+      pacer_.step(kName + nodes.size());
       for (const std::uint32_t node : nodes)
         if (role_[node] == Role::kMesh) left.push_back(node);
       kept[name] = std::make_shared<const std::vector<std::uint32_t>>(std::move(left));
@@ -189,6 +203,7 @@ class Cast {
       if (!hull_[k]) continue;
       if (hull_[k]->hidden && is_broken_[k]) role_[k] = Role::kHidden;
       for (const std::string& owner : hull_[k]->owners) {
+        pacer_.step(kName);
         if (named_[owner].empty()) continue;
         owners_[k] = kept[owner];
         role_[k] = owners_[k]->empty() ? Role::kUnusedHull : Role::kHull;
@@ -201,7 +216,10 @@ class Cast {
     if (!any_mesh) std::replace(role_.begin(), role_.end(), Role::kHidden, Role::kMesh);
   }
 
+  static constexpr std::uint64_t kName = 16;  // steps for the work on one name
+
   const Mesh& mesh_;
+  Pacer& pacer_;
   const std::size_t count_;
   std::vector<bool> is_broken_, is_there_;  ///< have triangles in the mesh; or there or in passed_through
   std::vector<std::optional<HullName>> hull_;
@@ -222,10 +240,12 @@ class HullTaker {
     known_.resize(hulls_.size());
   }
 
-  void take(const Mesh& mesh) {
+  void take(const Mesh& mesh, Pacer& pacer) {
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+      pacer.step();
       const std::uint32_t node = mesh.node[t];
       if (cast_.role(node) != Role::kHull) continue;
+      pacer.step(32);
       std::array<std::uint32_t, 3> corners{};
       for (std::size_t k = 0; k < 3; ++k)
         corners[k] = point(number_[node], mesh.positions[mesh.triangles[t][k]]);
@@ -252,10 +272,10 @@ class HullTaker {
 };
 
 /// Removes all proxies from the mesh.
-void keep_meshes(Mesh& mesh, const Cast& cast) {
+void keep_meshes(Mesh& mesh, const Cast& cast, Pacer& pacer) {
   std::vector<bool> kept(mesh.triangles.size());
-  for (std::size_t t = 0; t < kept.size(); ++t) kept[t] = cast.role(mesh.node[t]) == Role::kMesh;
-  keep_triangles(mesh, kept);
+  pacer.each(0, kept.size(), [&](std::size_t t) { kept[t] = cast.role(mesh.node[t]) == Role::kMesh; });
+  keep_triangles(mesh, kept, pacer);
 }
 
 /// Names of nodes in a sentence.
@@ -283,7 +303,7 @@ class NameList {
 };
 
 void report(Mesh& mesh, const Cast& cast) {
-  NameList levels, hulls, hidden;
+  NameList hulls, hidden;
   const char* const kGeometry = "collision geometry";
   for (std::uint32_t k = 0; k < mesh.node_names.size(); ++k) {
     const std::string& name = mesh.node_names[k];
@@ -291,16 +311,17 @@ void report(Mesh& mesh, const Cast& cast) {
       case Role::kMesh:
         continue;
       case Role::kLevel:
-        levels.add(name);
-        mesh.dropped.push_back({"level of detail", name, "only level 0 is broken"});
+        mesh.dropped.push_back(
+            {"level of detail", name, "only level 0 is broken; to break all levels, use proxies=geometry"});
         break;
       case Role::kHull:
         hulls.add(name);
         mesh.dropped.push_back({kGeometry, name, "only the unbroken mesh has it (intact=true)"});
         break;
       case Role::kUnusedHull:
-        levels.add(name);
-        mesh.dropped.push_back({kGeometry, name, "its level of detail is left out"});
+        mesh.dropped.push_back(
+            {kGeometry, name,
+             "its level of detail is left out; to break it like other nodes, use proxies=geometry"});
         break;
       case Role::kHidden:
         hidden.add(name);
@@ -308,9 +329,6 @@ void report(Mesh& mesh, const Cast& cast) {
         break;
     }
   }
-  if (!levels.empty())
-    mesh.remarks.warn(levels.count() + " left out because only level of detail 0 is broken: " +
-                      levels.names() + ". To break all levels, use proxies=geometry.");
   if (!hulls.empty())
     mesh.remarks.warn(
         hulls.count() + " not broken because the name is that of collision geometry: " + hulls.names() +
@@ -326,23 +344,24 @@ void report(Mesh& mesh, const Cast& cast) {
 
 }  // namespace
 
-void take_proxies(Mesh& mesh) {
+void take_proxies(Mesh& mesh, const Execution& execution) {
   const bool has_nodes =
       mesh.node.size() == mesh.triangles.size() &&
       (!mesh.passed_through || mesh.passed_through->node.size() == mesh.passed_through->triangles.size());
   if (!has_nodes) return;
-  const Cast cast(mesh);
+  Pacer pacer(execution);
+  const Cast cast(mesh, pacer);
   if (!cast.has_proxies()) return;
   HullTaker taker(mesh, cast);
-  taker.take(mesh);
+  taker.take(mesh, pacer);
   if (mesh.passed_through) {
-    taker.take(*mesh.passed_through);
+    taker.take(*mesh.passed_through, pacer);
     auto rest = std::make_shared<Mesh>(*mesh.passed_through);
-    keep_meshes(*rest, cast);
+    keep_meshes(*rest, cast, pacer);
     mesh.passed_through = rest->triangles.empty() ? nullptr : std::move(rest);
   }
   report(mesh, cast);
-  keep_meshes(mesh, cast);
+  keep_meshes(mesh, cast, pacer);
   mesh.given_hulls = std::move(taker).hulls();
   std::erase_if(mesh.given_hulls, [](const GivenHull& hull) { return hull.triangles.empty(); });
 }

@@ -1,6 +1,7 @@
 // Nodes of a source that stand for another node: its levels of detail and its collision geometry.
 #pragma once
 
+#include "common/base/execution.hpp"
 #include "common/mesh/mesh.hpp"
 
 namespace fracture {
@@ -21,7 +22,8 @@ enum class Proxies {
 /// - "Crate-colonly" and "Crate-convcolonly" without an owner, because they are never visible. They are added to Mesh::dropped.
 ///   But if the mesh had no other triangles, they would stay.
 ///
-/// Adds warnings that name these nodes and the parameter `proxies`. A mesh without such nodes does not change.
-void take_proxies(Mesh& mesh);
+/// The entries, and warnings about collision geometry, name the parameter `proxies`. A mesh without such nodes does not change.
+/// Throws Interrupted; the mesh then has lost some of its parts.
+void take_proxies(Mesh& mesh, const Execution& execution = kUninterrupted);
 
 }  // namespace fracture

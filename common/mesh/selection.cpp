@@ -4,6 +4,7 @@
 
 #include "common/base/gathered.hpp"
 #include "common/base/nearest_name.hpp"
+#include "common/base/pacer.hpp"
 #include "common/base/words.hpp"
 #include "common/mesh/material_library.hpp"
 #include "common/mesh/part_selector.hpp"
@@ -39,38 +40,45 @@ Expected<std::vector<bool>> chosen(const std::vector<std::string>& entries, cons
 
 /// Returns the triangles with the given selection state, and the wedges that they use in the order of the
 /// source. Data that is not per wedge or per triangle is shared.
-Mesh part_of(const Mesh& mesh, const std::vector<bool>& selected, bool wanted) {
+Mesh part_of(const Mesh& mesh, const std::vector<bool>& selected, bool wanted, Pacer& pacer) {
   constexpr std::uint32_t kUsed = 0;
   std::vector<std::uint32_t> new_wedge(mesh.positions.size(), kNoIndex), triangles, wedges;
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+    pacer.step();
     if (selected[t] != wanted) continue;
     triangles.push_back(t);
     for (const std::uint32_t w : mesh.triangles[t]) new_wedge[w] = kUsed;
   }
   for (std::uint32_t w = 0; w < new_wedge.size(); ++w) {
+    pacer.step();
     if (new_wedge[w] == kNoIndex) continue;
     new_wedge[w] = static_cast<std::uint32_t>(wedges.size());
     wedges.push_back(w);
   }
+  const auto taken = [&](const auto& values, const std::vector<std::uint32_t>& of) {
+    return gathered(values, of, [&] { pacer.step(); });
+  };
   Mesh part;
   part.frame = mesh.frame;
-  part.positions = gathered(mesh.positions, wedges);
-  part.attributes.normals = gathered(mesh.attributes.normals, wedges);
-  part.attributes.tangents = gathered(mesh.attributes.tangents, wedges);
-  for (const auto& set : mesh.attributes.uvs) part.attributes.uvs.push_back(gathered(set, wedges));
-  for (const auto& set : mesh.attributes.colors) part.attributes.colors.push_back(gathered(set, wedges));
-  part.triangles = gathered(mesh.triangles, triangles);
-  for (auto& triangle : part.triangles)
+  part.positions = taken(mesh.positions, wedges);
+  part.attributes.normals = taken(mesh.attributes.normals, wedges);
+  part.attributes.tangents = taken(mesh.attributes.tangents, wedges);
+  for (const auto& set : mesh.attributes.uvs) part.attributes.uvs.push_back(taken(set, wedges));
+  for (const auto& set : mesh.attributes.colors) part.attributes.colors.push_back(taken(set, wedges));
+  part.triangles = taken(mesh.triangles, triangles);
+  for (auto& triangle : part.triangles) {
+    pacer.step();
     for (std::uint32_t& w : triangle) w = new_wedge[w];
-  part.material = gathered(mesh.material, triangles);
-  part.node = gathered(mesh.node, triangles);
+  }
+  part.material = taken(mesh.material, triangles);
+  part.node = taken(mesh.node, triangles);
   part.node_names = mesh.node_names;
   part.node_extras = mesh.node_extras;
   part.groups = mesh.groups;
   part.group_of_node = mesh.group_of_node;
   part.source_tree = mesh.source_tree;
   part.instances = mesh.instances;
-  part.triangle_color = gathered(mesh.triangle_color, triangles);
+  part.triangle_color = taken(mesh.triangle_color, triangles);
   part.library = mesh.library;
   part.copyright = mesh.copyright;
   return part;
@@ -78,8 +86,8 @@ Mesh part_of(const Mesh& mesh, const std::vector<bool>& selected, bool wanted) {
 
 }  // namespace
 
-void keep_triangles(Mesh& mesh, const std::vector<bool>& kept) {
-  Mesh part = part_of(mesh, kept, true);
+void keep_triangles(Mesh& mesh, const std::vector<bool>& kept, Pacer& pacer) {
+  Mesh part = part_of(mesh, kept, true, pacer);
   mesh.positions = std::move(part.positions);
   mesh.attributes = std::move(part.attributes);
   mesh.triangles = std::move(part.triangles);
@@ -88,8 +96,9 @@ void keep_triangles(Mesh& mesh, const std::vector<bool>& kept) {
   mesh.triangle_color = std::move(part.triangle_color);
 }
 
-Expected<void> restrict_to(Mesh& mesh, const PartSelection& selection) {
+Expected<void> restrict_to(Mesh& mesh, const PartSelection& selection, const Execution& execution) {
   if (selection == PartSelection{}) return {};
+  Pacer pacer(execution);
   SceneNames scene(mesh);
   const Expected<std::vector<bool>> nodes = chosen(
       selection.nodes, scene, scene.node_count(), scene.nodes(), "nodes",
@@ -115,8 +124,8 @@ Expected<void> restrict_to(Mesh& mesh, const PartSelection& selection) {
                 "No triangle of this mesh is in the given nodes and materials: choose others.",
                 selection.nodes.empty() ? "materials" : "nodes");
   if (count == selected.size()) return {};
-  auto rest = std::make_shared<const Mesh>(part_of(mesh, selected, false));
-  Mesh kept = part_of(mesh, selected, true);
+  auto rest = std::make_shared<const Mesh>(part_of(mesh, selected, false, pacer));
+  Mesh kept = part_of(mesh, selected, true, pacer);
   kept.remarks = std::move(mesh.remarks);
   kept.dropped = std::move(mesh.dropped);
   kept.empty_nodes = std::move(mesh.empty_nodes);

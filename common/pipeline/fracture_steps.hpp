@@ -62,6 +62,7 @@ struct CutCells {
   struct Whole {
     std::vector<double> volumes;  ///< m³, ascending
     std::uint64_t triangles = 0;
+    std::vector<std::uint32_t> nodes{};  ///< Fragment::node of each
     HullReport hulls{};
     std::optional<InstanceFigures> instances{};
     std::optional<Rest> rest{};  ///< its filters are those of the fragments of the set

@@ -9,6 +9,7 @@
 #include "common/physics/hull_trim.hpp"
 #include "common/physics/principal_axes.hpp"
 #include "common/pipeline/kept_instances.hpp"
+#include "common/pipeline/unnamed_nodes.hpp"
 
 namespace fracture {
 namespace {
@@ -58,6 +59,7 @@ CutCells::Whole sizes_of(const FragmentSet& set, const Execution& execution) {
     pacer.step(8);  // one cache miss each
     sizes.volumes.push_back(body_volume(f));
     sizes.triangles += f.indices.size() / 3;
+    sizes.nodes.push_back(f.node);
   }
   sort_with_polls(execution, sizes.volumes.begin(), sizes.volumes.end());
   return sizes;
@@ -265,8 +267,9 @@ Report make_report(const Solid& solid, const SiteNotes& sites, const FracturePar
                    const std::optional<Rest>& rest, const FragmentSet& set, const Execution& execution) {
   Report report;
   report_sites(solid, sites, set, report);
-  report_size(parameters, may_keep_instances(solid, parameters), sites.split,
-              cut.whole ? *cut.whole : sizes_of(set, execution), set, report);
+  const CutCells::Whole whole = cut.whole ? *cut.whole : sizes_of(set, execution);
+  report_size(parameters, may_keep_instances(solid, parameters), sites.split, whole, set, report);
+  if (solid.source) add_unnamed_nodes(*solid.source, whole.nodes, set, report.dropped, execution);
   report_kept(parameters, cut, report);
   report_structure(anchored, report);
   if (parameters.roughness.amplitude > 0) report_roughness(parameters, cut, report);

@@ -102,7 +102,7 @@ void write_mesh(ByteWriter& out, const Mesh& mesh) {
   out.array(meshes);
   out.array(transforms);
   const MaterialLibrary& library = *mesh.library;
-  for (const json* list : {&library.materials, &library.textures, &library.samplers}) out.text(dump(*list));
+  for (const json* list : json_lists(library)) out.text(dump(*list));
   out.value<std::uint64_t>(library.images.size());
   for (const Image& image : library.images) {
     out.text(image.name);
@@ -292,9 +292,8 @@ Mesh read_mesh(ByteReader& in, const ImportLimits& limits) {
     mesh.instances.push_back({meshes[k], x, y, z, t});
   }
   MaterialLibrary library;
-  library.materials = read_objects(in, limits);
-  library.textures = read_objects(in, limits);
-  library.samplers = read_objects(in, limits);
+  for (json* list : json_lists(library)) *list = read_objects(in, limits);
+  require(has_sound_variants(library), "the variants of a material do not exist");
   library.images.resize(in.length(3 * sizeof(std::uint64_t)));
   for (Image& image : library.images) {
     image.name = in.text();

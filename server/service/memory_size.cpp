@@ -13,8 +13,7 @@ namespace {
 std::size_t memory_size(const MaterialLibrary& library) {
   std::size_t bytes = sizeof library + heap(library.images) + heap(library.extensions_used) +
                       heap(library.extensions_required);
-  for (const nlohmann::json* list : {&library.materials, &library.textures, &library.samplers})
-    bytes += json_bytes(*list);
+  for (const nlohmann::json* list : json_lists(library)) bytes += json_bytes(*list);
   for (const Image& image : library.images)
     bytes += heap(image.bytes) + image.name.capacity() + image.mime_type.capacity();
   return bytes;

@@ -269,9 +269,9 @@ Expected<Step<PreparedMesh>> FractureService::make_mesh(const FractureRequest& r
     const Expected<FrameReport> frame = to_metres_y_up(*mesh, request.parameters.frame);
     if (!frame) return tl::unexpected<Error>(frame.error());
     result->frame = *frame;
-    if (auto restricted = restrict_to(*mesh, request.parameters.parts); !restricted)
+    if (auto restricted = restrict_to(*mesh, request.parameters.parts, execution); !restricted)
       return tl::unexpected<Error>(std::move(restricted.error()));
-    if (request.parameters.proxies == Proxies::kHulls) take_proxies(*mesh);
+    if (request.parameters.proxies == Proxies::kHulls) take_proxies(*mesh, execution);
   }
   if (execution.progress) execution.progress(Stage::kPrepare, 0);
   {

@@ -134,6 +134,32 @@ TEST(GltfWriter, TangentsStandExactlyWhereAMaterialHasANormalMap) {
   EXPECT_FALSE(primitives[2]["attributes"].contains("TANGENT"));
 }
 
+TEST(GltfWriter, PrimitivesOfTheOutsideKeepTheirVariants) {
+  FracturedSolid made = two_halves();
+  auto mesh = std::make_shared<Mesh>(*made.set.source);
+  auto library = std::make_shared<MaterialLibrary>(*mesh->library);
+  const json mapping = {{"material", 0}, {"variants", json::array({0})}};
+  const json mappings = {{"mappings", json::array({mapping})}};
+  library->variants = json::array({{{"name", "winter"}}});
+  library->variant_mappings = json::array({json::object(), mappings});  // paint becomes wood
+  library->extensions_used = {"KHR_materials_variants"};
+  mesh->library = library;
+  made.set.source = mesh;
+  for (const Physics physics : {Physics::kNone, Physics::kKhr}) {
+    GltfOptions options;
+    options.physics = physics;
+    const json document = Glb(write_glb(made, options)).document;
+    EXPECT_EQ(document["extensions"]["KHR_materials_variants"]["variants"], library->variants);
+    EXPECT_EQ(document["extensions"].size(), physics == Physics::kNone ? 1u : 2u);
+    EXPECT_EQ(document["extensionsUsed"][0], "KHR_materials_variants");
+    const json& primitives = document["meshes"][0]["primitives"];
+    EXPECT_FALSE(primitives[0].contains("extensions"));
+    EXPECT_EQ(primitives[1]["extensions"]["KHR_materials_variants"], mappings);
+    EXPECT_FALSE(primitives[2].contains("extensions")) << "cuts have the interior material in every variant";
+    EXPECT_TRUE(primitives[1]["attributes"].contains("TANGENT")) << "wood has a normal map";
+  }
+}
+
 TEST(GltfWriter, PrimitiveWithoutMaterialNamesNone) {
   FracturedSolid made = two_halves();
   made.set.fragments[0].primitives[1].material = kNoIndex;

@@ -140,6 +140,12 @@ TEST(ObjImport, ABackslashJoinsLinesExceptAfterAComment) {
   EXPECT_EQ(read("# C:\\temp\\\n" + kFourVertices + "f 1 \\\n 3 \\\r\n 2\nf 1 2 4\\\n\nf 1 4 3\nf 2 3 4\n")
                 .triangles.size(),
             4u);
+  EXPECT_EQ(
+      read(kFourVertices + "f 1 3 2 # C:\\temp\\\nf 1 2 4\nf 1 \\\n4 3 # D:\\\nf 2 3 4\n").triangles.size(),
+      4u)
+      << "a comment after a statement";
+  EXPECT_EQ(read(kFourVertices + "usemtl a#\\\nb\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n").triangles.size(), 4u)
+      << "# within a word begins no comment";
 }
 
 TEST(ObjImport, PositionsAreTheNearestFloats) {

@@ -172,6 +172,13 @@ TEST(ObjMaterials, TexturesThatGltfCannotHaveAreListed) {
                                              "the options -o, -s and -t of a texture are not applied"}));
 }
 
+TEST(ObjMaterials, TexturesThatWereNotGivenAreListed) {
+  EXPECT_THAT(with("map_Kd absent.png\n", {}).dropped,
+              ElementsAre(Dropped{"image", "absent.png", "its file was not given"}));
+  EXPECT_THAT(with("map_Kd a.bmp\n", {{"a.bmp", "BM"}}).dropped,
+              ElementsAre(Dropped{"image", "a.bmp", "it is neither PNG nor JPEG"}));
+}
+
 TEST(ObjMaterials, StatementsThatAreNotMtlAreAWarning) {
   const Mesh mesh = with("Kd spectral a.rfl\nNs\nillum 2\nKs x\n");
   EXPECT_THAT(mesh.remarks.warnings, ElementsAre(HasSubstr("line 2 of \"a.mtl\": \"Kd spectral a.rfl\"")));

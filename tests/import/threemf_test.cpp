@@ -314,6 +314,20 @@ TEST(ThreeMf, VolumesThatAreLeftOutCountEachTime) {
   EXPECT_THAT(mesh.error().detail, HasSubstr("200,000,000 vertices and triangles"));
 }
 
+TEST(ThreeMf, FarItemsAreReadRelativeToAnOffset) {
+  // The box's centre (500001.5, 4649777.5, 31.5), rounded to multiples of 4, the power of two above the longest side of 3.
+  const auto mesh = import_model(
+      model(kObject, "<item objectid=\"1\" transform=\"1 0 0 0 1 0 0 0 1 500000 4649776 30\"/>"));
+  ASSERT_TRUE(mesh) << mesh.error().detail;
+  EXPECT_EQ(mesh->frame.offset, (Vec3d{500000, 4649776, 32}));
+  Box box;
+  for (const Vec3f& p : mesh->positions) box.add(to_double(p));
+  EXPECT_EQ(box.min, (Vec3d{0, 0, -2}));
+  EXPECT_EQ(box.max, (Vec3d{3, 3, 1}));
+  EXPECT_DOUBLE_EQ(signed_volume(*mesh), 4.5);
+  EXPECT_EQ(import_model(kModel)->frame.offset, Vec3d{});
+}
+
 TEST(ThreeMf, LongNamesAreCutAtACharacter) {
   const std::string name(999, 'a');
   const auto mesh =

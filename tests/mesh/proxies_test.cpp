@@ -148,11 +148,11 @@ TEST(Proxies, HullsOfLevelsThatAreLeftOutAreLeftOutToo) {
   EXPECT_THAT(given(mesh), ElementsAre("UCX_Crate_LOD0_00: Crate_LOD0"));
 }
 
-TEST(Proxies, WarningsAndTheListOfDroppedThingsNameThem) {
+TEST(Proxies, TheListOfDroppedThingsNamesThemAndWarningsTheCollisionGeometry) {
   const Mesh mesh = taken(scene({"Crate_LOD0", "Crate_LOD1", "UCX_Crate_00", "Ramp-colonly"}));
-  ASSERT_EQ(mesh.remarks.warnings.size(), 3u);
-  const char* const kNames[] = {"Crate_LOD1", "UCX_Crate_00", "Ramp-colonly"};
-  for (std::size_t k = 0; k < 3; ++k) {
+  ASSERT_EQ(mesh.remarks.warnings.size(), 2u);
+  const char* const kNames[] = {"UCX_Crate_00", "Ramp-colonly"};
+  for (std::size_t k = 0; k < 2; ++k) {
     EXPECT_THAT(mesh.remarks.warnings[k], HasSubstr(kNames[k]));
     EXPECT_THAT(mesh.remarks.warnings[k], HasSubstr("proxies=geometry"));
   }
@@ -160,15 +160,28 @@ TEST(Proxies, WarningsAndTheListOfDroppedThingsNameThem) {
   std::vector<std::string> dropped;
   for (const Dropped& entry : mesh.dropped) dropped.push_back(entry.name);
   EXPECT_THAT(dropped, testing::UnorderedElementsAre("Crate_LOD1", "UCX_Crate_00", "Ramp-colonly"));
+  for (const Dropped& entry : mesh.dropped)
+    if (entry.what == "level of detail") EXPECT_THAT(entry.reason, HasSubstr("proxies=geometry"));
+}
+
+TEST(Proxies, TakingThemIsInterruptedByCancellation) {
+  std::vector<std::string> names{"Crate_LOD0", "Crate_LOD1", "UCX_Crate_00"};
+  for (int k = 0; k < 2'000; ++k) names.push_back("Stone_" + std::to_string(k));
+  Mesh mesh = scene(names);
+  Execution execution;
+  std::stop_source stop;
+  execution.stop = stop.get_token();
+  stop.request_stop();
+  EXPECT_THROW(take_proxies(mesh, execution), Interrupted);
 }
 
 TEST(Proxies, ManyNamesMakeAShortWarning) {
-  std::vector<std::string> names{"a_LOD0"};
-  for (int k = 1; k < 9; ++k) names.push_back("a_LOD" + std::to_string(k));
+  std::vector<std::string> names{"a"};
+  for (int k = 1; k < 9; ++k) names.push_back("UCX_a_" + std::to_string(k));
   const Mesh mesh = taken(scene(names));
   ASSERT_EQ(mesh.remarks.warnings.size(), 1u);
   EXPECT_THAT(mesh.remarks.warnings[0], HasSubstr("8 nodes are"));
-  EXPECT_THAT(mesh.remarks.warnings[0], HasSubstr("a_LOD5 and 3 more"));
+  EXPECT_THAT(mesh.remarks.warnings[0], HasSubstr("UCX_a_5 and 3 more"));
 }
 
 TEST(Proxies, AMeshWithoutThemDoesNotChange) {

@@ -136,6 +136,16 @@ def _rename(pieces: List[_Piece]) -> None:
         piece.digits = digits
 
 
+def _unique(name: str, taken: Set[str]) -> str:
+    """Returns the name, with _2, _3, ... if it is taken, because numbers with more digits may have made a fragment's name equal to it."""
+    unique, number = name, 1
+    while unique in taken:
+        number += 1
+        unique = f"{cut(name, MOST_NAME - 1 - len(str(number)))}_{number}"
+    taken.add(unique)
+    return unique
+
+
 def _bonds(whole: Glb, figures: Json, pieces: List[_Piece]) -> Json:
     """Returns the bonds between unchanged fragments, and the bonds in the delta. All are sorted, and go from the earlier fragment to the
     later one."""
@@ -221,15 +231,16 @@ def _write_scene(document: Json, whole: Glb, pieces: List[_Piece], figures: Json
     nodes += children
     groups = Groups(whole, *{id(piece.glb): piece.glb for piece in pieces}.values())
     held = [(groups.above(piece.node), 1 + k) for k, piece in enumerate(pieces)]
-    for kept in _passing_through(whole):
-        held.append((groups.above(kept), len(nodes)))
-        if "mesh" not in kept:
-            nodes.append(copy.deepcopy(kept))
-            continue
-        nodes.append({**kept, "mesh": len(meshes)})
-        meshes.append(buffers.add_mesh(whole, kept["mesh"]))
     taken = {str(each.get("name", "")) for each in (*nodes[1:], *meshes, _root(whole))}
     taken |= {f"{piece.name}_{hull:0{piece.digits}}_collider" for piece in pieces for hull in range(len(_hull_meshes(piece)))}
+    for kept in _passing_through(whole):
+        held.append((groups.above(kept), len(nodes)))
+        kept = {**copy.deepcopy(kept), "name": _unique(str(kept.get("name", "")), taken)}
+        if "mesh" in kept:
+            copied = buffers.add_mesh(whole, kept["mesh"])
+            kept["mesh"] = len(meshes)
+            meshes.append({**copied, "name": kept["name"]})
+        nodes.append(kept)
     of_root = groups.append_to(nodes, held, taken)
     nodes[0] = {**_root(whole), "children": of_root, "extras": {"fracture": figures}}
     extensions = _document_extensions(whole, pieces, list(numbers), list(range(first_hull, first_hull + hull_count)))

@@ -21,6 +21,14 @@ interface Source {
 
 const KHR = 'KHR_physics_rigid_bodies', OMI = 'OMI_physics_body', SHAPES = 'OMI_physics_shape';
 
+/** Returns the name, with _2, _3, … if it is taken, because numbers with more digits may have made a fragment's name equal to it. */
+function uniqueName(name: string, taken: Set<string>): string {
+  let unique = name;
+  for (let number = 2; taken.has(unique); ++number) unique = `${cut(name, 62 - String(number).length)}_${number}`;
+  taken.add(unique);
+  return unique;
+}
+
 /** Returns the number of bytes for the name of a fragment, and the number of digits for those of hulls. The names of its hulls, colliders
  *  and sheets, which are longer, have at most 63 bytes. */
 function nameRoom(sources: Source[]): { room: number; digits: number } {
@@ -238,19 +246,21 @@ function write(before: Glb, changes: Glb, now: Figures, sources: Source[], bonds
 
   const root = changes.json.nodes![0]!, behind = 1 + sources.length + childNodes.length;
   const groups = new Groups([before, changes]), others: GltfNode[] = [], held: { group: number | undefined; node: number }[] = [];
-  sources.forEach(({ node }, k) => held.push({ group: groups.above(node), node: 1 + k }));
+  const taken = new Set([root, ...fragmentNodes, ...childNodes, ...meshes].map(each => each.name ?? ''));
+  sources.forEach((source, k) => {
+    held.push({ group: groups.above(source.node), node: 1 + k });
+    hullsOf(source).forEach((_, hull) => taken.add(`${fragmentNodes[k]!.name}_${String(hull).padStart(names.digits, '0')}_collider`));
+  });
   for (const node of uncutNodes(before)) {  // a delta may omit these nodes
     held.push({ group: groups.above(node), node: behind + others.length });
+    const name = uniqueName(node.name ?? '', taken);
     if (node.mesh === undefined) {
-      others.push(node);
+      others.push({ ...node, name });
       continue;
     }
-    others.push({ ...node, mesh: meshes.length });
-    meshes.push(copier.copy(before, before.json.meshes![node.mesh]!));
+    others.push({ ...node, name, mesh: meshes.length });
+    meshes.push({ ...copier.copy(before, before.json.meshes![node.mesh]!), name });
   }
-  const taken = new Set([root, ...fragmentNodes, ...childNodes, ...others, ...meshes].map(each => each.name ?? ''));
-  sources.forEach((source, k) => hullsOf(source).forEach((_, hull) =>
-    taken.add(`${fragmentNodes[k]!.name}_${String(hull).padStart(names.digits, '0')}_collider`)));
   const tree = groups.written(held, behind + others.length, taken);
   const stated = (parameters: Record<string, any>) => ({ ...parameters, delta: 'stated' });
   const json: Gltf = {

@@ -156,6 +156,16 @@ class Hits(WithServer):
             with self.subTest(**more):
                 self.hit_twice(mesh, sites=20, **more)
 
+    def test_an_uncut_node_may_have_the_name_of_a_later_fragment(self):
+        # With two digits, no fragment is called left_100. The hit makes more than a hundred fragments, with three digits.
+        text = box_obj(extra="o left") + b"o left_100\nv 2 0 0\nv 3 0 0\nv 2 1 0\nv 2 0 1\nf 9 11 10\nf 9 10 12\nf 9 12 11\nf 10 11 12\n"
+        first, merged, again = self.hit_twice(self.client.put(text, format="obj"), sites=95, nodes=["left"])
+        self.assertEqual(len(first.fragments), 95)
+        self.assertGreater(len(merged.fragments), 101)
+        for answer, name in ((first, "left_100"), (merged, "left_100_2"), (again, "left_100_2")):
+            self.assertIn(name, [node["name"] for node in answer._file.document["nodes"] if "id" not in
+                                 node.get("extras", {}).get("fracture", {})])
+
     def test_nodes_without_a_mesh_and_the_extras_of_nodes_stay(self):
         corners = [(x, y, z) for z in (0, 1) for y in (0, 1) for x in (0, 1)]
         faces = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]

@@ -48,6 +48,9 @@ Mesh full_mesh() {
   library.textures = nlohmann::json::array({{{"source", 0}, {"sampler", 0}}});
   library.samplers = nlohmann::json::array({nlohmann::json::object()});
   library.images = {{"wood.png", "image/png", {0x89, 'P', 'N', 'G', 0, 255}}};
+  library.variants = nlohmann::json::array({{{"name", "winter"}}});
+  const nlohmann::json mapping = {{"material", 0}, {"variants", nlohmann::json::array({0})}};
+  library.variant_mappings = nlohmann::json::array({{{"mappings", nlohmann::json::array({mapping})}}});
   library.extensions_used = {"KHR_texture_transform"};
   library.extensions_required = {"KHR_texture_transform"};
   mesh.library = std::make_shared<const MaterialLibrary>(std::move(library));
@@ -97,6 +100,8 @@ TEST(MeshCodec, AMeshComesBackBitForBit) {
   EXPECT_EQ(back.instances, mesh.instances);
   EXPECT_EQ(back.triangle_color, mesh.triangle_color);
   EXPECT_EQ(back.library->materials.dump(), mesh.library->materials.dump());
+  EXPECT_EQ(back.library->variants, mesh.library->variants);
+  EXPECT_EQ(back.library->variant_mappings, mesh.library->variant_mappings);
   EXPECT_EQ(back.library->images[0].bytes, mesh.library->images[0].bytes);
   EXPECT_EQ(back.library->extensions_required, mesh.library->extensions_required);
   EXPECT_EQ(back.copyright, "me");
@@ -127,6 +132,12 @@ TEST(MeshCodec, EveryBrokenPromiseIsFound) {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   EXPECT_EQ(broken([](Mesh&) {}), "");
   EXPECT_THAT(broken([](Mesh& m) { m.triangles[1][2] = 4; }), HasSubstr("names no vertex"));
+  EXPECT_THAT(broken([](Mesh& m) {
+                auto library = std::make_shared<MaterialLibrary>(*m.library);
+                library->variants.clear();  // a mapping names the first one
+                m.library = std::move(library);
+              }),
+              HasSubstr("variants"));
   EXPECT_THAT(broken([](Mesh& m) { m.node[0] = 2; }), HasSubstr("names no node"));
   EXPECT_THAT(broken([](Mesh& m) { m.material[0] = 1; }), HasSubstr("names no material"));
   EXPECT_THAT(broken([](Mesh& m) { m.material.pop_back(); }), HasSubstr("has no material"));
