@@ -29,6 +29,8 @@ class SmallestFirst {
   SmallestFirst& operator=(const SmallestFirst&) = delete;
 
   std::uint32_t groups() const { return count_; }  ///< number of groups
+  /// Whether a group that has not merged yet has a neighbour.
+  bool has_neighbor(std::uint32_t group) const { return degree(seat_[group]) > 0; }
   /// Whether no group is left in the order. If false, smallest() and smallest_volume() may be called.
   bool done();
   double smallest_volume() const { return order_.front().volume; }  ///< m³

@@ -58,7 +58,9 @@ Piece join_pieces(const RestrictedDiagram& diagram, const Pieces& pieces, const 
 /// one cell. Then
 /// repeatedly merges the smallest group of pieces with the neighbour of largest shared cap area (ties: the
 /// lowest piece), as long as the limits ask for it. A group without caps merges with the neighbour of its
-/// largest contact in `across`. The choice depends only on the unrounded volumes. `groups`: pieces that are
+/// largest contact in `across`. Groups without neighbours and almost without volume take no fragment from other groups of the
+/// same parts (SizeLimits::fragments).
+/// The choice depends only on the unrounded volumes. `groups`: pieces that are
 /// united already; none if SizeLimits::fragments is set. Near-linear in pieces and contacts; with a
 /// triangle budget, near-linear in triangles, too. Throws Interrupted.
 SizeFigures unite_by_size(const RestrictedDiagram& diagram, const Pieces& pieces, const SizeLimits& limits,

@@ -12,6 +12,10 @@ namespace {
 
 using Unions = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
 
+/// A group without neighbours that has less than this share of the solid's volume takes no fragment from its family.
+/// Slivers of an answer that is fractured again are smaller; most are dropped later, because rounding leaves them no volume.
+constexpr double kDust = 1e-15;
+
 /// Joins the pieces of each instance that stays whole. Returns how many pieces became part of another.
 std::uint32_t join_instances(const Pieces& pieces, const PartContacts& across, PieceGroups& groups,
                              Pacer& pacer) {
@@ -59,7 +63,11 @@ class Merging {
         volumes_(volumes),
         execution_(execution),
         all_(d.solid.report.volume),
-        order_(d, pieces, groups, volumes, across, limits.kept_owner, execution) {}
+        order_(d, pieces, groups, volumes, across, limits.kept_owner, execution),
+        is_dust_(volumes.size(), 0) {
+    for (std::uint32_t p = 0; p < volumes.size(); ++p)
+      is_dust_[p] = groups.is_group(p) && volumes[p] < kDust * all_ && !order_.has_neighbor(p);
+  }
 
   const Unions& unions() const { return unions_; }
 
@@ -69,12 +77,15 @@ class Merging {
   }
   /// Merges groups beyond the shares of their families in SizeLimits::fragments. Returns the number of families.
   std::uint32_t merge_to_quotas() {
-    std::vector<std::uint32_t> of_family;  // number of groups
+    std::vector<std::uint32_t> of_family, dust;  // number of groups
     for (std::uint32_t p = 0; p < volumes_.size(); ++p) {
       const std::uint32_t family = family_of(p);
       if (of_family.size() <= family) of_family.resize(family + 1, 0);
-      of_family[family] += groups_.is_group(p);
+      dust.resize(of_family.size(), 0);
+      (is_dust_[p] ? dust : of_family)[family] += groups_.is_group(p);
     }
+    for (std::size_t k = 0; k < of_family.size(); ++k)
+      if (of_family[k] == 0) of_family[k] = dust[k];  // a family of its own
     for (const auto& [group, with] : unions_) --of_family[family_of(group)];
     PartQuotas quotas(
         pieces_, [&](std::uint32_t p) { return family_of(p); }, volumes_, std::move(of_family),
@@ -133,6 +144,7 @@ class Merging {
   const Execution& execution_;
   const double all_;  // m³
   SmallestFirst order_;
+  std::vector<char> is_dust_;  // per group
   Unions unions_;
 };
 

@@ -1,5 +1,7 @@
 #include "common/gltf/exterior_material.hpp"
 
+#include <algorithm>
+#include <string>
 #include <utility>
 
 #include "common/base/pacer.hpp"
@@ -36,8 +38,17 @@ void finish(json& material, const ExteriorLook& look) {
   }
 }
 
+/// "Exterior", with a number if a material of the source has that name, as in an answer that is fractured again.
+std::string free_name(const json& materials) {
+  std::string name = "Exterior";
+  const auto is_taken = [&](const json& material) { return material.value("name", json()) == name; };
+  for (int number = 2; std::any_of(materials.begin(), materials.end(), is_taken); ++number)
+    name = "Exterior_" + std::to_string(number);
+  return name;
+}
+
 json bare(const ExteriorLook& look, const Mesh& source) {
-  json material = {{"name", "Exterior"}};
+  json material = {{"name", free_name(source.library->materials)}};
   const bool colored = !source.attributes.colors.empty();
   set_base_color(material, colored ? Vec3d{1, 1, 1} : look.color.value_or(Vec3d{1, 1, 1}));
   finish(material, look);
@@ -55,7 +66,10 @@ ExteriorMaterials exterior_materials(const ExteriorLook& look, const Mesh& sourc
   std::vector<bool> used(own.size() + 1, false);
   for (const std::uint32_t material : source.material) {
     pacer.step();
-    used[material < own.size() ? material : own.size()] = true;
+    if (material < own.size())
+      used[material] = true;
+    else if (material == kNoIndex)  // not the inner side of a wall, which looks like cuts
+      used.back() = true;
   }
   made.of_source.assign(used.size(), kNoIndex);
   const auto add = [&](std::size_t slot, json material) {

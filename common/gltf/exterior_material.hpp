@@ -49,8 +49,9 @@ struct ExteriorMaterials {
   }
 };
 
-/// Materials keep the names of the source's materials; the one for surfaces without a material is called "Exterior".
-/// If the source has vertex colours, that one is white, because vertex colours multiply it. Throws Interrupted.
+/// Materials keep the names of the source's materials; the one for surfaces without a material is called "Exterior",
+/// or "Exterior_2" and so on if the source has a material of that name. If the source has vertex colours, that one is white,
+/// because vertex colours multiply it. Throws Interrupted.
 ExteriorMaterials exterior_materials(const ExteriorLook& look, const Mesh& source,
                                      const Execution& execution = kUninterrupted);
 

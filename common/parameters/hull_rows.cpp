@@ -29,8 +29,8 @@ std::vector<ParameterSpec> hull_parameter_rows() {
        .doc =
            "How much larger than a fragment its hulls may be, as a factor of the volume. A fragment with larger hulls is divided "
            "into parts, each with one hull, up to `max_hulls` hulls. So things can fly through a window frame or a ring. Some "
-           "fragments are never divided: curved shards, ragged chunks with cuts, and those of more than 10,000 triangles. With a "
-           "large value, no fragment is divided."},
+           "fragments are never divided: curved shards, those with cut pieces of several parts, and those of more than 10,000 "
+           "triangles. With a large value, no fragment is divided."},
       [](auto& r) -> auto& { return r.fracture.hull_limits.excess; }));
   for (ParameterSpec& spec : rows)
     spec.matters = [](const RequestParameters& r) {

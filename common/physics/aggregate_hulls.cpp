@@ -1,7 +1,9 @@
 #include "common/physics/aggregate_hulls.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <span>
 #include <utility>
 #include <vector>
@@ -9,6 +11,8 @@
 #include "common/base/pacer.hpp"
 #include "common/base/scratch.hpp"
 #include "common/physics/convex_body.hpp"
+#include "common/physics/convex_parts.hpp"
+#include "common/physics/divided_hulls.hpp"
 #include "common/physics/hull_maker.hpp"
 
 namespace fracture {
@@ -23,6 +27,8 @@ constexpr int kRounds = 4;  // of k-means; enough for a few cells
 constexpr double kRounding = 4e-6;
 /// The share of the distance from the largest cell's middle to its bisector that any other bisector must keep.
 constexpr double kRoomToKeep = 0.5;
+/// The least share of a convex part's hull that must be left after it is cut back to the cells.
+constexpr double kLeastLeft = 0.5;
 
 /// One cell's share of a fragment.
 struct Share {
@@ -48,15 +54,16 @@ struct Scratch {
   std::vector<Vec3d> seeds;
   std::vector<Vec3f> points;
   std::vector<const Share*> members, near;
+  std::vector<std::array<std::uint32_t, 3>> triangles;
 
   std::size_t bytes() const {
     return maker.bytes() + body.bytes() +
-           bytes_of_vectors(shares, own, neighbors, seeds, points, members, near);
+           bytes_of_vectors(shares, own, neighbors, seeds, points, members, near, triangles);
   }
   void release() {
     maker.release();
     body.release();
-    release_vectors(shares, own, neighbors, seeds, points, members, near);
+    release_vectors(shares, own, neighbors, seeds, points, members, near, triangles);
   }
 };
 
@@ -93,10 +100,37 @@ class FewHulls {
       add(out);
     }
   }
+  /// Replaces the hulls by those of the fragment's convex parts, if the hulls close an opening. Makes one hull for each body
+  /// if there are none yet.
+  void keep_openings(const Fragment& f, const HullLimits& limits, FragmentHulls& out) {
+    if (out.hulls.empty())
+      for (const std::vector<Vec3f>& body : f.bodies) add_hull(body, {}, s_.maker, out, execution_);
+    if (!may_be_divided(f) || !(out.volume > limits.excess * f.mass.volume)) return;
+    collect_corners(f, s_.maker, execution_);
+    const BodySurface surface(f.indices, s_.maker.corner_of);
+    s_.triangles.clear();
+    pacer_.each(0, surface.size(), [&](std::size_t t) { s_.triangles.push_back(surface[t]); });
+    if (!close_an_opening(out.hulls, s_.maker.corners, s_.triangles, limits.excess, pacer_)) return;
+    const ConvexParts parts = make_convex_parts(s_.maker.corners, s_.triangles, limits, execution_);
+    f_ = &f;
+    find_shares(f.sites.size() > kFewCells);
+    find_neighbors();
+    s_.members.clear();
+    for (const Share& share : s_.shares) s_.members.push_back(&share);
+    FragmentHulls made;
+    made.simplified = parts.simplified;
+    for (const CollisionHull& part : parts.hulls)
+      if (!add_part(part, made)) return;
+    if (!made.hulls.empty() && made.volume < out.volume) out = std::move(made);
+  }
 
  private:
   const CellMap& map() const { return diagram_.map(); }
   const Vec3d& site(SiteId s) const { return diagram_.site(s); }
+  /// `place` is in the fragment's local frame.
+  Vec3d image(const Vec3d& place) const {
+    return map() ? map().of_part(f_->part).image(place + f_->pivot) : place + f_->pivot;
+  }
 
   /// Finds the cell of each body, which contains the mean of its corners. `walks`: walk from cell to cell, because there
   /// are too many cells to test all of them for each body.
@@ -116,13 +150,12 @@ class FewHulls {
       }
       const Vec3d size = box.size();
       Share share{b, f_->sites[0], (1 / static_cast<double>(body.size())) * sum, size.x * size.y * size.z, 0};
-      const Vec3d place = share.middle + f_->pivot;
-      const Vec3d image = map() ? map().of_part(f_->part).image(place) : place;
-      if (walks) last = diagram_.nearest(image, last, walk);
+      const Vec3d middle = image(share.middle);
+      if (walks) last = diagram_.nearest(middle, last, walk);
       if (walks && std::binary_search(f_->sites.begin(), f_->sites.end(), last))
         share.site = last;
       else
-        share.site = nearest_own(image);
+        share.site = nearest_own(middle);
       s_.shares.push_back(share);
     }
   }
@@ -255,6 +288,31 @@ class FewHulls {
     if (triangles.empty()) return add_largest();
     const bool simplified = s_.maker.builder.stopped_early();
     s_.body.set(s_.points, triangles);
+    cut_back(*largest);
+    if (!add_body(simplified, out)) add_largest();
+  }
+
+  /// Adds the hull of a convex part of the fragment, cut back to the cells of the fragment. Returns false if too little is
+  /// left, or if the middle of the hull is not certain to be in one of these cells.
+  bool add_part(const CollisionHull& part, FragmentHulls& out) {
+    Vec3d sum;
+    for (const Vec3f& p : part.points) sum = sum + to_double(p);
+    const Vec3d middle = (1 / static_cast<double>(part.points.size())) * sum;
+    const Share core{0, nearest_own(image(middle)), middle, 0, 0};
+    if (!std::binary_search(s_.own.begin(), s_.own.end(), core.site)) return false;
+    pacer_.step(s_.neighbors.size());
+    if (!std::all_of(s_.neighbors.begin(), s_.neighbors.end(),
+                     [&](SiteId j) { return bisector(core.site, j).height(middle) < 0; }))
+      return false;
+    s_.body.set(part.points, part.triangles);
+    cut_back(core);
+    const double before = out.volume;
+    return add_body(false, out) &&
+           out.volume - before > kLeastLeft * volume_within(part.points, part.triangles);
+  }
+
+  /// Cuts the body back until it meets no cell outside the fragment. Keeps the middle of `largest`, which is in its cell.
+  void cut_back(const Share& largest) {
     Box box;
     for (const Vec3d& p : s_.body.corners()) box.add(p);
     const double rounding = kRounding * box.longest_side();
@@ -272,12 +330,16 @@ class FewHulls {
       if (std::any_of(members.begin(), members.end(), [&](const Share* m) { return is_clear(m->site); }))
         continue;
       pacer_.step(members.size() * s_.body.corners().size());
-      const Plane plane = best_bisector(j, members, *largest);
+      const Plane plane = best_bisector(j, members, largest);
       s_.body.cut(plane.normal, plane.offset, rounding / plane.scale);
     }
+  }
+
+  /// Adds the inset hull of the body. Returns false if nothing is left of the body.
+  bool add_body(bool simplified, FragmentHulls& out) {
     CollisionHull hull;
     s_.body.write(hull.points, hull.triangles);
-    if (hull.triangles.size() < 4) return add_largest();
+    if (hull.triangles.size() < 4) return false;
     if (hull.points.size() <= kMaxHullPoints) {
       CollisionHull smaller = hull;
       const double volume =
@@ -286,11 +348,12 @@ class FewHulls {
         out.simplified += simplified;
         out.hulls.push_back(std::move(smaller));
         out.volume += volume;
-        return;
+        return true;
       }
     }
     add_hull(hull.points, {}, s_.maker, out, execution_);
     out.simplified += simplified && !s_.maker.builder.stopped_early();
+    return true;
   }
 
   const VoronoiDiagram& diagram_;
@@ -307,19 +370,24 @@ bool is_in_several_frames(const Fragment& f, const VoronoiDiagram& diagram) {
 
 }  // namespace
 
-CollisionHulls make_aggregate_hulls(const FragmentSet& set, const VoronoiDiagram& diagram, std::uint32_t most,
-                                    std::uint32_t cells, bool has_rest, const Execution& execution) {
+CollisionHulls make_aggregate_hulls(const FragmentSet& set, const VoronoiDiagram& diagram,
+                                    const HullLimits& limits, std::uint32_t cells, bool has_rest,
+                                    const Execution& execution) {
   CollisionHulls out;
   out.of_fragment.resize(set.fragments.size());
   parallel_for(execution, set.fragments.size(), 4, [&](std::size_t begin, std::size_t end) {
     FewHulls hulls(diagram, rounding_of(set), execution);
     for (std::size_t k = begin; k < end; ++k) {
       const Fragment& f = set.fragments[k];
-      if (f.bodies.size() <= most || is_in_several_frames(f, diagram)) continue;
-      if (!has_rest || f.bodies.size() <= kManyCells * cells)
-        hulls.make(f, most, out.of_fragment[k]);
-      else if (cells > 1)
-        hulls.make_of_rest(f, cells, out.of_fragment[k]);
+      const bool has_many = f.bodies.size() > limits.count;
+      if (f.bodies.size() < 2 || is_in_several_frames(f, diagram)) continue;
+      if (has_rest && has_many && f.bodies.size() > kManyCells * cells) {
+        if (cells > 1) hulls.make_of_rest(f, cells, out.of_fragment[k]);
+        continue;
+      }
+      if (has_many) hulls.make(f, limits.count, out.of_fragment[k]);
+      // Without cuts, divide_hulls() does this: the hulls of a whole part may leave its cells.
+      if (limits.count > 1 && !f.caps.empty()) hulls.keep_openings(f, limits, out.of_fragment[k]);
     }
   });
   return out;

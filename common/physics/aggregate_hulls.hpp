@@ -8,6 +8,9 @@
 // within F's cells, and hulls of different fragments cannot overlap. For each j, the bisector that cuts away least is
 // chosen. The bisectors of A's largest cell are always valid, and keep all of that cell.
 //
+// If these hulls close an opening of the fragment (divided_hulls.hpp), they are replaced by the hulls of its convex parts
+// (convex_parts.hpp), which are cut back in the same way. A part begins in the cell that contains its middle.
+//
 // The result depends only on F's cells and their neighbours, so a hit elsewhere does not change it.
 #pragma once
 
@@ -20,10 +23,12 @@
 
 namespace fracture {
 
-/// Makes at most `most` (> 0) hulls for each fragment with more bodies than that. make_collision_hulls() makes those of the
-/// other fragments. `has_rest`: a fragment with very many cells is a rest that stays whole. It gets one hull for every
-/// `cells` cells, or none here if `cells` is 1. `diagram`: the cells that were cut. Throws Interrupted.
-CollisionHulls make_aggregate_hulls(const FragmentSet& set, const VoronoiDiagram& diagram, std::uint32_t most,
-                                    std::uint32_t cells, bool has_rest, const Execution& execution);
+/// Makes at most `limits.count` hulls for each fragment with more bodies than that, or with several bodies whose own hulls
+/// close an opening. make_collision_hulls() makes those of the other fragments, of which some may have one per body here already.
+/// `has_rest`: a fragment with very many cells is a rest that stays whole. It gets one hull for every `cells` cells, or none
+/// here if `cells` is 1. `diagram`: the cells that were cut. Throws Interrupted.
+CollisionHulls make_aggregate_hulls(const FragmentSet& set, const VoronoiDiagram& diagram,
+                                    const HullLimits& limits, std::uint32_t cells, bool has_rest,
+                                    const Execution& execution);
 
 }  // namespace fracture

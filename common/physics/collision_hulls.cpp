@@ -13,22 +13,6 @@
 namespace fracture {
 namespace {
 
-/// Lists each position once, although faces with different attributes have separate vertices there.
-void collect_corners(const Fragment& f, HullMaker& maker, const Execution& execution) {
-  Pacer pacer(execution);
-  maker.corners.clear();
-  maker.corner_of.resize(f.positions.size());
-  for (std::uint32_t v = 0; v < f.positions.size(); ++v) {
-    pacer.step();
-    if (f.topology[v] == v) {
-      maker.corner_of[v] = static_cast<std::uint32_t>(maker.corners.size());
-      maker.corners.push_back(f.positions[v]);
-    } else {
-      maker.corner_of[v] = maker.corner_of[f.topology[v]];  // an earlier vertex
-    }
-  }
-}
-
 /// Whether all triangles from index `first` on are wider than `width`. Rounding gives narrower ones any plane, or none.
 bool all_wider(const Fragment& f, std::size_t first, double width) {
   for (std::size_t k = first; k < f.indices.size(); k += 3) {

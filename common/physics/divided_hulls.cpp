@@ -15,9 +15,6 @@
 namespace fracture {
 namespace {
 
-/// A fragment with more triangles is not divided. One with this many takes 20 to 60 ms.
-constexpr std::size_t kMostTriangles = 10'000;
-
 /// Twice the triangle's area, along its normal.
 Vec3d area_vector(std::span<const Vec3f> points, const std::array<std::uint32_t, 3>& t) {
   const Vec3d a = to_double(points[t[0]]);
@@ -43,16 +40,6 @@ double shadow(std::span<const Vec3f> points, std::span<const std::array<std::uin
   pacer.each(0, triangles.size(),
              [&](std::size_t t) { sum += std::fabs(dot(along, area_vector(points, triangles[t]))); });
   return 0.5 * sum;
-}
-
-/// Whether the hull closes an opening that things can fly through. Then its shadow through its largest face is larger than
-/// that of the surface. A curved shard has about the same shadow as its hull.
-bool closes_an_opening(const CollisionHull& hull, std::span<const Vec3f> points,
-                       std::span<const std::array<std::uint32_t, 3>> triangles, double excess, Pacer& pacer) {
-  Vec3d along;
-  for (const auto& t : hull.triangles)
-    if (const Vec3d n = area_vector(hull.points, t); dot(n, n) > dot(along, along)) along = n;
-  return shadow(hull.points, hull.triangles, along, pacer) > excess * shadow(points, triangles, along, pacer);
 }
 
 /// Cuts hulls back to another hull.
@@ -91,19 +78,31 @@ class Cutback {
 
 }  // namespace
 
+bool close_an_opening(std::span<const CollisionHull> hulls, std::span<const Vec3f> points,
+                      std::span<const std::array<std::uint32_t, 3>> triangles, double excess, Pacer& pacer) {
+  Vec3d along;
+  for (const CollisionHull& hull : hulls)
+    for (const auto& t : hull.triangles)
+      if (const Vec3d n = area_vector(hull.points, t); dot(n, n) > dot(along, along)) along = n;
+  double of_hulls = 0;
+  for (const CollisionHull& hull : hulls) of_hulls += shadow(hull.points, hull.triangles, along, pacer);
+  return of_hulls > excess * shadow(points, triangles, along, pacer);
+}
+
+bool may_be_divided(const Fragment& f) {
+  return f.open_edges == 0 && f.indices.size() <= 3 * kMostDividedTriangles && f.part_cells.empty();
+}
+
 void divide_hulls(const Fragment& f, const HullLimits& limits, HullMaker& maker, FragmentHulls& out,
                   const Execution& execution) {
-  if (f.open_edges != 0 || f.indices.size() > 3 * kMostTriangles) return;
-  if (!f.caps.empty() && f.bodies.size() > 1) return;
-  if (!f.part_cells.empty())
-    return;  // each piece keeps its hull, so that the fragment's hulls stay in its cells
+  if (!may_be_divided(f) || (!f.caps.empty() && f.bodies.size() > 1)) return;
   std::vector<std::array<std::uint32_t, 3>>& triangles = thread_scratch<DivisionScratch>().triangles;
   const BodySurface surface(f.indices, maker.corner_of);
   triangles.clear();
   Pacer pacer(execution);
   pacer.each(0, surface.size(), [&](std::size_t t) { triangles.push_back(surface[t]); });
-  if (!f.caps.empty() && !closes_an_opening(out.hulls[0], maker.corners, triangles, limits.excess, pacer))
-    return;
+  const std::span<const CollisionHull> first(out.hulls.data(), 1);
+  if (!f.caps.empty() && !close_an_opening(first, maker.corners, triangles, limits.excess, pacer)) return;
   ConvexParts parts = make_convex_parts(maker.corners, triangles, limits, execution);
   if (parts.hulls.empty() || !(parts.volume > 0)) return;  // flat, or a sheet whose sides coincide
   out.excess = out.volume / parts.volume;                  // nothing can fly into a closed cavity

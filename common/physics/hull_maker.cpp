@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/base/pacer.hpp"
+
 namespace fracture {
 namespace {
 
@@ -44,6 +46,21 @@ void shrink(CollisionHull& hull, const Vec3d& center, double wanted, double for_
 }
 
 }  // namespace
+
+void collect_corners(const Fragment& f, HullMaker& maker, const Execution& execution) {
+  Pacer pacer(execution);
+  maker.corners.clear();
+  maker.corner_of.resize(f.positions.size());
+  for (std::uint32_t v = 0; v < f.positions.size(); ++v) {
+    pacer.step();
+    if (f.topology[v] == v) {
+      maker.corner_of[v] = static_cast<std::uint32_t>(maker.corners.size());
+      maker.corners.push_back(f.positions[v]);
+    } else {
+      maker.corner_of[v] = maker.corner_of[f.topology[v]];  // an earlier vertex
+    }
+  }
+}
 
 CollisionHull compact(std::span<const Vec3f> points, const Triangles& triangles,
                       std::vector<std::uint32_t>& index) {

@@ -27,6 +27,10 @@ struct HullMaker {
   }
 };
 
+/// Sets `corners` and `corner_of` of the maker: lists each position of the fragment once, although faces with different
+/// attributes have separate vertices there. Throws Interrupted.
+void collect_corners(const Fragment& f, HullMaker& maker, const Execution& execution);
+
 /// m: twice the distance by which rounding to the seam lattice may have moved a corner. If hulls of neighbours are inset by
 /// this (their faces by at least half of it), they are apart because their cells are.
 inline double rounding_of(const FragmentSet& set) { return length(set.lattice_step); }

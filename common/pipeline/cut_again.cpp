@@ -210,8 +210,8 @@ Expected<std::optional<PiecesOfFragment>> cut_again(const HitOnFragments& hit, c
     CollisionHulls hulls = make_collision_hulls(
         set,
         // The rest of a whole part has a hull for each guard's cell, which follow its shape.
-        make_aggregate_hulls(set, hit.diagram, limits.count, /*cells=*/1,
-                             hit.parameters.rest == LocalRest::kWhole, execution),
+        make_aggregate_hulls(set, hit.diagram, limits, /*cells=*/1, hit.parameters.rest == LocalRest::kWhole,
+                             execution),
         limits, execution);
     for (std::size_t k = 0; k < out.pieces.size(); ++k) {
       out.pieces[k].fragment = std::move(set.fragments[k]);

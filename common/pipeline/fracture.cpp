@@ -191,7 +191,7 @@ Expected<CutCells> cut_cells(const Solid& solid, const Diagram& diagram, const F
     keep(cut.set);
     if (parameters.hulls == Hulls::kConvex)
       cut.hulls =
-          make_aggregate_hulls(cut.set, voronoi, parameters.hull_limits.count, cells_per_fragment(parameters),
+          make_aggregate_hulls(cut.set, voronoi, parameters.hull_limits, cells_per_fragment(parameters),
                                parameters.keep.has_value(), execution);
     execution.poll();  // freeing a large diagram takes some time, and so do the steps below
   }

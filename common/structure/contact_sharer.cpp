@@ -280,7 +280,9 @@ void ContactSharer::divide_among_islands(const Placed& piece, std::uint32_t own,
 
 void ContactSharer::add_to(const Pair& pair, const Placed& piece, const Region& region, bool is_cut) {
   Sum& sum = sum_of(pair.own, pair.other);
-  const double area = is_cut ? region.area / piece.whole.area * piece.piece.area : piece.piece.area;
+  // The corners of a sliver may be on a line after rounding. It then has no area here, but the regions of it may.
+  const bool is_part = is_cut && region.area < piece.whole.area;
+  const double area = is_part ? region.area / piece.whole.area * piece.piece.area : piece.piece.area;
   sum.area += area;
   sum.moment = sum.moment + area * (region.middle + 0.5 * piece.across);
   sum.normal = sum.normal + area * to_double(piece.piece.normal);

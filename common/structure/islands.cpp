@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/bvh/box_tree.hpp"
 #include "common/bvh/triangle_distance.hpp"
 #include "common/contacts/near_triangles.hpp"
 #include "common/contacts/vertex_windings.hpp"
@@ -46,15 +47,40 @@ Solid solid_of(std::span<const Fragment* const> fragments, std::span<const std::
   return solid;
 }
 
+/// The boxes of a solid's triangles.
+std::vector<Box> boxes_of(const PartSurfaces& surfaces, const Execution& execution) {
+  Pacer pacer(execution);
+  std::vector<Box> boxes;
+  boxes.reserve(surfaces.solid().triangles.size());
+  for (std::uint32_t t = 0; t < surfaces.solid().triangles.size(); ++t) {
+    pacer.step();
+    boxes.push_back(box_of(surfaces.corners(t)));
+  }
+  return boxes;
+}
+
 }  // namespace
 
 struct Islands::Surfaces {
-  Surfaces(Solid made, const Execution& execution) : solid(std::move(made)), surfaces(solid, execution) {
-    for (const Part& part : solid.parts) size = std::max(size, part.box.longest_side());
+  Surfaces(Solid made, const Execution& execution)
+      : solid(std::move(made)),
+        surfaces(solid, execution),
+        triangles(boxes_of(surfaces, execution), execution) {
+    double farthest = 0;
+    for (const Part& part : solid.parts) {
+      size = std::max(size, part.box.longest_side());
+      for (int axis = 0; axis < 3; ++axis)
+        farthest = std::max({farthest, std::fabs(part.box.min[axis]), std::fabs(part.box.max[axis])});
+    }
+    rounding = kRoundingOfDistances * farthest;
   }
+  /// Exceeds the rounding error of a distance, relative to the largest coordinate.
+  static constexpr double kRoundingOfDistances = 1e-12;
   const Solid solid;
   const PartSurfaces surfaces;
-  double size = 0;  ///< m
+  const BoxTree triangles;
+  double size = 0;      ///< m
+  double rounding = 0;  ///< m: distances that differ by less may be equal
 };
 
 Islands::Islands(std::span<const Fragment* const> fragments, double rounding, const Execution& execution)
@@ -74,26 +100,22 @@ Islands::OfCell& Islands::islands_of(std::uint32_t cell, std::span<const std::ui
   return of_cell;
 }
 
-/// Finds the nearest island by searching in growing boxes. Returns the first island if all are far away.
+/// Returns the nearest island, and of several equally near ones the first. If all are far away, returns the first island.
 std::size_t Islands::nearest(const Surfaces& surfaces, const Vec3d& place) {
-  for (double reach = 4 * rounding_; reach <= surfaces.size; reach *= 8) {
-    std::size_t nearest = 0;
-    double least = reach;
-    const Box box{place - Vec3d{reach, reach, reach}, place + Vec3d{reach, reach, reach}};
-    for (std::uint32_t p = 0; p < surfaces.solid.parts.size(); ++p) {
-      if (!surfaces.solid.parts[p].box.intersects(box)) continue;
-      surfaces.surfaces.each_near(p, box, pacer_, [&](std::uint32_t t) {
-        pacer_.step(4);
-        const double apart =
-            distance_of_triangles({place, place, place}, surfaces.surfaces.corners(t), least);
-        if (!(apart < least)) return;
-        least = apart;
-        nearest = p;
-      });
+  std::size_t nearest = 0;
+  double least = surfaces.size;
+  surfaces.triangles.nearest(place, least, surfaces.rounding, [&](std::uint32_t t) {
+    pacer_.step(8);
+    const std::size_t island = surfaces.solid.part[t];
+    const double apart =
+        distance_of_triangles({place, place, place}, surfaces.surfaces.corners(t), least + surfaces.rounding);
+    if (apart < least || (apart == least && island < nearest)) {
+      least = apart;
+      nearest = island;
     }
-    if (least < reach) return nearest;
-  }
-  return 0;
+    return least;
+  });
+  return nearest;
 }
 
 std::size_t Islands::count_near(std::uint32_t cell, std::span<const std::uint32_t> islands, const Box& box) {

@@ -23,9 +23,9 @@ Mesh frame() {
                           [](int i, int j, int) { return i != 1 || j != 1; });
 }
 
-FragmentSet answer(const Mesh& mesh, std::vector<Vec3d> sites, double rough, std::uint32_t max_hulls) {
+FragmentSet answer(const Mesh& mesh, PointsPattern sites, double rough, std::uint32_t max_hulls) {
   FractureParameters p;
-  p.pattern = PointsPattern{std::move(sites)};
+  p.pattern = std::move(sites);
   p.roughness.amplitude = rough;
   p.hull_limits.count = max_hulls;
   p.hulls = Hulls::kConvex;
@@ -53,16 +53,27 @@ bool passes(FragmentSet set, const glm::dvec3& through, double radius) {
 }
 
 TEST(Openings, ABallFliesThroughAFrame) {
-  const FragmentSet whole = answer(frame(), {{0, 0, 0}}, 0, 4);
+  const FragmentSet whole = answer(frame(), {{{0, 0, 0}}}, 0, 4);
   ASSERT_EQ(whole.fragments.size(), 1u);
   EXPECT_TRUE(passes(whole, {0, 0, 0}, kInside - 0.01));
   EXPECT_FALSE(passes(whole, {0, 0, 0}, kInside + 0.01)) << "it is wider than the opening";
-  EXPECT_FALSE(passes(answer(frame(), {{0, 0, 0}}, 0, 1), {0, 0, 0}, 0.1)) << "one hull closes the opening";
+  EXPECT_FALSE(passes(answer(frame(), {{{0, 0, 0}}}, 0, 1), {0, 0, 0}, 0.1)) << "one hull closes the opening";
 }
 
 TEST(Openings, ABallFliesBetweenTheHalvesOfAFrame) {
   for (const double rough : {0.0, 0.03}) {
-    const FragmentSet halves = answer(frame(), {{-0.5, 0, 0}, {0.5, 0, 0}}, rough, 4);
+    const FragmentSet halves = answer(frame(), {{{-0.5, 0, 0}, {0.5, 0, 0}}}, rough, 4);
+    ASSERT_EQ(halves.fragments.size(), 2u);
+    EXPECT_TRUE(passes(halves, {0, 0, 0}, kInside - 0.01)) << rough;
+  }
+}
+
+// Each half consists of two cells.
+TEST(Openings, ABallFliesBetweenHalvesOfSeveralCells) {
+  const PointsPattern quarters{{{-0.5, -0.5, 0}, {-0.5, 0.5, 0}, {0.5, -0.5, 0}, {0.5, 0.5, 0}},
+                               {0, 0, 1, 1}};
+  for (const double rough : {0.0, 0.03}) {
+    const FragmentSet halves = answer(frame(), quarters, rough, 4);
     ASSERT_EQ(halves.fragments.size(), 2u);
     EXPECT_TRUE(passes(halves, {0, 0, 0}, kInside - 0.01)) << rough;
   }
@@ -72,7 +83,7 @@ TEST(Openings, ABallFliesBetweenTheHalvesOfAFrame) {
 TEST(Openings, BallsFlyThroughFramesBesideAWall) {
   const Mesh mesh =
       test::joined({frame(), test::translated(frame(), {2.5, 0, 0}), test::box({4, -1, -0.1}, {6, 1, 0.1})});
-  const FragmentSet set = answer(mesh, {{0, 0, 0}, {2.5, 0, 0}, {5, 0, 0}}, 0, 4);
+  const FragmentSet set = answer(mesh, {{{0, 0, 0}, {2.5, 0, 0}, {5, 0, 0}}}, 0, 4);
   ASSERT_EQ(set.fragments.size(), 3u);
   EXPECT_TRUE(passes(set, {0, 0, 0}, kInside - 0.01));
   EXPECT_TRUE(passes(set, {2.5, 0, 0}, kInside - 0.01));
@@ -82,8 +93,8 @@ TEST(Openings, BallsFlyThroughFramesBesideAWall) {
 // A hull of a part that takes a third of a turn leaves half of the radius free, and one of a quarter turn seven tenths.
 TEST(Openings, ABallFliesThroughARing) {
   const Mesh ring = test::torus(24, 12, 1, 0.1);
-  EXPECT_TRUE(passes(answer(ring, {{0, 0, 0}}, 0, 4), {0, 0, 0}, 0.4));
-  EXPECT_TRUE(passes(answer(ring, {{0, 0, 0}}, 0, 8), {0, 0, 0}, 0.6));
+  EXPECT_TRUE(passes(answer(ring, {{{0, 0, 0}}}, 0, 4), {0, 0, 0}, 0.4));
+  EXPECT_TRUE(passes(answer(ring, {{{0, 0, 0}}}, 0, 8), {0, 0, 0}, 0.6));
 }
 
 TEST(Openings, ABallFliesThroughTheHandleOfAMug) {
@@ -96,7 +107,7 @@ TEST(Openings, ABallFliesThroughTheHandleOfAMug) {
   // The handle is at x, in the plane of the z axis: turned so that its opening is around z.
   Mesh turned = mug;
   for (Vec3f& p : turned.positions) p = {p.x, p.z, -p.y};
-  EXPECT_TRUE(passes(answer(turned, {{0, 0, 0}}, 0, 16), {1.15, 1.1, 0}, 0.1));
+  EXPECT_TRUE(passes(answer(turned, {{{0, 0, 0}}}, 0, 16), {1.15, 1.1, 0}, 0.1));
 }
 
 }  // namespace

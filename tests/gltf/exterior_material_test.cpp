@@ -7,6 +7,7 @@
 
 #include "common/gltf/gltf_writer.hpp"
 #include "common/mesh/material_library.hpp"
+#include "common/solid/solid.hpp"
 #include "tests/gltf/glb_file.hpp"
 #include "tests/gltf/two_halves.hpp"
 
@@ -69,6 +70,25 @@ TEST(ExteriorMaterial, NothingIsMadeWhereEverythingHasAMaterial) {
   Mesh mesh = three_kinds();
   mesh.material[1] = 2;
   EXPECT_TRUE(exterior_materials(ice(ExteriorChoice::kAuto), mesh).materials.empty());
+}
+
+// Inner sides of walls are made of the cuts' materials.
+TEST(ExteriorMaterial, NothingIsMadeForCavities) {
+  Mesh mesh = three_kinds();
+  mesh.material[1] = kCavityMaterial;
+  EXPECT_TRUE(exterior_materials(ice(ExteriorChoice::kAuto), mesh).materials.empty());
+}
+
+TEST(ExteriorMaterial, NoTwoMaterialsAreCalledExterior) {
+  Mesh mesh = three_kinds();
+  auto library = std::make_shared<MaterialLibrary>(*mesh.library);
+  library->materials[0]["name"] = "Exterior";
+  library->materials[1] = json::object();  // without a name
+  library->materials[2]["name"] = "Exterior_2";
+  mesh.library = std::move(library);
+  const ExteriorMaterials made = exterior_materials(ice(ExteriorChoice::kAuto), mesh);
+  ASSERT_EQ(made.materials.size(), 1u);
+  EXPECT_EQ(made.materials[0].at("name"), "Exterior_3");
 }
 
 TEST(ExteriorMaterial, ColorsOfVerticesAreNotMultipliedByThePresets) {

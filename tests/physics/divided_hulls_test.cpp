@@ -135,6 +135,39 @@ TEST(DividedHulls, OfRoughHalvesStayInTheirCellsToo) {
   EXPECT_GT(beyond, 1e-3) << "the cuts are rough";
 }
 
+// Each half consists of two cells. The hull of a quarter has 0.68 / 0.36 of its volume, and comes as near as 0.57 to the middle.
+TEST(DividedHulls, OfHalvesOfSeveralCellsKeepTheOpening) {
+  for (const double rough : {0.0, 0.04}) {
+    FractureParameters p;
+    p.roughness.amplitude = rough;
+    const Fractured made =
+        cut(frame(), {{{-0.5, -0.5, 0}, {-0.5, 0.5, 0}, {0.5, -0.5, 0}, {0.5, 0.5, 0}}, {0, 0, 1, 1}}, p);
+    ASSERT_EQ(made.set.fragments.size(), 2u);
+    expect_opening(made);
+    for (std::size_t k = 0; k < 2; ++k) {
+      const Fragment& f = made.set.fragments[k];
+      EXPECT_EQ(f.bodies.size(), 2u);
+      EXPECT_EQ(made.hulls.of(k).size(), 3u) << "a bar for each side";
+      for (const CollisionHull& hull : made.hulls.of(k)) {
+        const Box box = box_of_hull(made, k, hull);
+        EXPECT_GT(f.mass.center_of_mass.x > 0 ? box.min.x : -box.max.x, 0);
+      }
+      EXPECT_GT(volume_of_hulls(made, k), 0.9 * f.mass.volume);
+    }
+    EXPECT_LT(made.report.hulls->excess, 1.1);
+  }
+}
+
+// Three quarters of a frame are four bars, two of them half as long as the others.
+TEST(DividedHulls, OfThreeQuartersOfAFrameKeepTheOpening) {
+  const Fractured made =
+      cut(frame(), {{{-0.5, -0.5, 0}, {-0.5, 0.5, 0}, {0.5, -0.5, 0}, {0.5, 0.5, 0}}, {0, 0, 0, 1}});
+  ASSERT_EQ(made.set.fragments.size(), 2u);
+  for (std::size_t k = 0; k < 2; ++k)
+    EXPECT_EQ(made.hulls.of(k).size(), made.set.fragments[k].bodies.size() == 3 ? 4u : 2u);
+  expect_opening(made);
+}
+
 TEST(DividedHulls, AWholeFrameOfManyCellsKeepsItsOpening) {
   PointsPattern sites{random_sites(box_of(frame()), 12, 3), std::vector<std::uint32_t>(12, 0)};
   const Fractured made = cut(frame(), std::move(sites));

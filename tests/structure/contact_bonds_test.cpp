@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <memory>
 
 #include "common/contacts/contact_report.hpp"
 #include "common/gltf/fracture_extras.hpp"
@@ -41,6 +42,24 @@ TEST(ContactBonds, OfTwoBoxesStacked) {
                         fragment_at(set, part, {1.5, part + 0.5, 0.5})),
                 1, {1, part + 0.5, 0.5}, {1, 0, 0});
   for (const Bond& bond : set.bonds) EXPECT_EQ(bond.strength, 1);
+}
+
+// A sliver whose corners are on a line after rounding has no area, but its regions in two cells have a little. Its share of the
+// contact's area, a billionth here, cannot become infinite.
+TEST(ContactBonds, OfASliverWithoutAreaAreFinite) {
+  Solid solid = solid_in_contact(kStacked);
+  ContactGraph graph = *solid.contacts;
+  ASSERT_EQ(graph.contacts.size(), 1u);
+  ASSERT_EQ(graph.first_piece.size(), 2u);
+  const Vec3d along{0.375, 0, 0.0625}, from{0.5, 1, 0.25};  // dyadic: the cross product is exactly 0
+  const Vec3d last = from + 2.0 * along;
+  graph.pieces.push_back({{from, from + along, last, last}, {0, 1, 0}, 0, 1e-9});
+  graph.first_piece.back() = static_cast<std::uint32_t>(graph.pieces.size());
+  solid.contacts = std::make_shared<const ContactGraph>(std::move(graph));
+  const Fractured made = fracture_solid(std::move(solid), cut_by(kLeftAndRight));
+  const std::vector<Bond> across = bonds_across(made.set);
+  ASSERT_EQ(across.size(), 2u);
+  for (const Bond& bond : across) EXPECT_NEAR(bond.area, 1, 1e-8);
 }
 
 // Bricks in a bond: the upper brick lies on half of each of two lower bricks. The cut at x = 0.75 leaves a

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 
@@ -53,6 +54,27 @@ struct Cut {
 /// A prism whose outline crosses itself. The winding number is 1 in the large loop and -1 in the small one,
 /// so pieces inside the small loop have negative volumes.
 Mesh bow_tie(double small) { return prism_over({{-1, -1}, {small, small}, {small, -small}, {-1, 1}}); }
+
+// A cube of 1 m and a grain of 8 µm that touches nothing. In the same group of parts, the grain is not counted. In a group of its
+// own, it is a part like any other.
+TEST(UniteBySize, DustTakesNoFragmentFromItsGroupOfParts) {
+  const double side = 8e-6;
+  const Cut cut(joined({box({0, 0, 0}, {1, 1, 1}), box({1.5, 0, 0}, {1.5 + side, side, side})}), {}, 12);
+  ASSERT_EQ(cut.solid.parts.size(), 2u);
+  for (const bool same : {true, false}) {
+    const PartContacts across{.pieces = {}, .group_of_part = {0, same ? 0u : 1u}};
+    PieceGroups groups(cut.pieces.pieces.size());
+    SizeLimits limits;
+    limits.fragments = 6;
+    unite_by_size(cut.restricted, cut.pieces, limits, &across, groups, {});
+    std::array<int, 2> of_part{0, 0};
+    for (std::uint32_t g = 0; g < groups.pieces(); ++g)
+      if (groups.is_group(g)) ++of_part[cut.pieces.pieces[g].part];
+    std::sort(of_part.begin(), of_part.end());  // whichever part is the cube
+    EXPECT_EQ(of_part[0], 1);
+    EXPECT_EQ(of_part[1], same ? 6 : 5);
+  }
+}
 
 TEST(PieceGroups, PollsWhileAUnionMovesManyPieces) {
   int polls = 0;
