@@ -354,15 +354,15 @@ struct Effect {
 Expected<Effect> hit_set(const Solid& solid, const PartSet& set, Remarks& remarks, BrokenSolid& broken,
                          const Execution& execution) {
   const FractureParameters& parameters = set.parameters;
-  Expected<HitCells> cells =
-      cells_of_hit(set.solid_in(solid), parameters, parameters.hits, broken.hits, remarks, execution);
+  Expected<HitCells> cells = cells_of_hit(set.solid_in(solid), parameters, parameters.hits, broken.hits,
+                                          parameters.keep, remarks, execution);
   if (!cells) return tl::unexpected(std::move(cells.error()));
   SiteFigures& figures = broken.notes.figures;
   figures.given += cells->sites + cells->duplicates;
   figures.used += cells->sites;
   figures.duplicates_merged += cells->duplicates;
   if (cells->empty()) return Effect{};
-  for (const SiteId s : cells_to_spare(solid, *cells, parameters, execution)) cells->groups[s] = 0;
+  spare_region(solid, parameters, *cells, execution);
   const Expected<bool> cuts = Hit(solid, set, *cells, broken, execution).run();
   if (!cuts) return tl::unexpected(cuts.error());
   return Effect{true, *cuts};
