@@ -62,7 +62,7 @@ const std::vector<GameMaterial>& game_materials() {
   return all;
 }
 
-/// Of `assign` in a query. The server's default limit for a whole target is 4,096 bytes.
+/// Maximum length of `assign` in a query, in bytes. The server's default limit for a whole target is 4,096 bytes.
 constexpr std::size_t kMostInQuery = 2048;
 
 /// For the value of a query (RFC 3986, 2.1).

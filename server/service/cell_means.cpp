@@ -10,8 +10,8 @@ namespace {
 
 /// Total length of edges of n equal triangles with a total area of a: 2.28 sqrt(n a).
 constexpr double kEdgesOfTriangles = 2.28;
-/// By 4π: the mean integral of curvature of a cell of volume 1 (2π times its mean width of 1.458), and its mean surface of 5.82 times
-/// the integral of curvature of a box by the sum of its sides, π.
+/// The mean integral of curvature of a cell of volume 1, by 4π. (The integral is 2π times the mean width of 1.458.) Then the mean surface
+/// of such a cell, 5.82, by 4: the integral of curvature of a box is π times the sum of its sides.
 constexpr double kCellsBySurface = 0.729, kCellsByWidth = 1.455;
 /// A part is much smaller than a cell if it has at most this share of its volume.
 constexpr double kLooseShare = 0.25;

@@ -1,5 +1,5 @@
-// What the parameters of patterns, sizes, walls and cuts say, measured on the geometry of the fragments with methods of its own. Usually
-// on four meshes with one seed each; with FRACTURE_TEST_FULL, on twenty meshes and three seeds. Hits: hits_test.cpp.
+// The parameters of patterns, sizes, walls and cuts do what they say. This is measured on the fragments with methods of this file, on
+// four meshes with one seed each, or with FRACTURE_TEST_FULL on twenty meshes and three seeds. Hits: hits_test.cpp.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -128,8 +128,8 @@ std::vector<Body> bodies_of(const FragmentSet& set) {
   return all;
 }
 
-/// Of the mesh below a height: the signed volume of its clipped triangles, seen from a point at that height. (The face in which the mesh
-/// is cut adds nothing, because that point is in its plane.)
+/// The volume of the mesh below a height: the signed volume of its clipped triangles, seen from a point at that height. (The face in
+/// which the mesh is cut adds nothing, because that point is in its plane.)
 double volume_below(const Mesh& mesh, double height) {
   const Vec3d eye{0, height, 0};
   double volume = 0;

@@ -139,7 +139,7 @@ TEST(EstimateOfHits, CountsThePiecesOfSmallParts) {
   }
 }
 
-// Small parts that touch nothing are no part of other fragments, whatever number is asked for.
+// Small parts that touch nothing are fragments of their own, whatever number is asked for.
 TEST(EstimateOfHits, LooseSmallPartsCountAsFragments) {
   Solid solid = solid_of(slab_with_cubes(8, 0.1, 0.13));
   RequestParameters asked;
