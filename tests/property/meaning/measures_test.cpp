@@ -255,7 +255,7 @@ TEST(MeaningOfParameters, WallsAreAsThickAsTheShell) {
   each([](const Mesh& mesh, std::uint64_t seed) {
     if (!full_tests() && seed != 2) return;  // walls take long: only the sphere
     const double thickness =
-        0.2 * std::min({box_of(mesh).size().x, box_of(mesh).size().y, box_of(mesh).size().z});
+        0.1 * std::min({box_of(mesh).size().x, box_of(mesh).size().y, box_of(mesh).size().z});
     const Solid solid = hollowed(solid_of(mesh), {.thickness = thickness}, {});
     ASSERT_EQ(solid.report.parts_hollowed, 1u);
     std::vector<Corners> all, outer;
