@@ -108,6 +108,11 @@ tl::expected<Options, Exit> parse_options(int argc, char** argv) {
     nlohmann::json ignored;
     return add_parameter(text, ignored) ? std::string() : "'" + text + "' must be NAME=VALUE";
   });
+  std::string assign;
+  CLI::Option* assigned = app.add_option(
+      "--assign", assign,
+      "Materials of parts, as in bake --assign: 'Window_*:glass;slot=staves:wood', or a JSON list");
+  assigned->check(not_empty);
   CLI::Option* unit =
       app.add_option("--unit", o.unit, "Coordinate unit of your meshes; default: guessed from their size");
   unit->check(CLI::IsMember({"m", "cm", "mm", "inch"}));
@@ -166,7 +171,8 @@ tl::expected<Options, Exit> parse_options(int argc, char** argv) {
   for (CLI::Option* option : {invites, joins}) add(option);
   joins->check(is_address)->excludes(invites)->excludes(resumed);
   invites->excludes(resumed)->excludes(files);
-  for (CLI::Option* said : {scene, files, material, unit, seed, all_sites, set_values}) joins->excludes(said);
+  for (CLI::Option* said : {scene, files, material, unit, seed, all_sites, set_values, assigned})
+    joins->excludes(said);
   CLI::Option* replayed = app.add_option(
       "--replay", o.replay,
       "Replay a game that was recorded with --log, and compare each step. If a step differs, the exit code is 4 "
@@ -174,7 +180,7 @@ tl::expected<Options, Exit> parse_options(int argc, char** argv) {
   add(replayed->check(not_empty));
   replayed->excludes(resumed)->excludes(invites)->excludes(joins);
   // These come from the recording.
-  for (CLI::Option* said : {scene, files, material, unit, seed, all_sites, set_values})
+  for (CLI::Option* said : {scene, files, material, unit, seed, all_sites, set_values, assigned})
     resumed->excludes(said);
   CLI::Option* answer_steps =
       app.add_option("--answer-steps", o.answer_steps,
@@ -233,6 +239,7 @@ tl::expected<Options, Exit> parse_options(int argc, char** argv) {
   std::stable_sort(o.blasts.begin(), o.blasts.end(),
                    [](const auto& a, const auto& b) { return a.time < b.time; });
   for (const std::string& text : set) add_parameter(text, o.parameters);
+  if (!assign.empty()) add_parameter("assign=" + assign, o.parameters);
   const auto wish = std::find(render::kTierWishNames.begin(), render::kTierWishNames.end(), picture);
   o.picture = static_cast<render::TierWish>(wish - render::kTierWishNames.begin());
   o.sound = !no_sound;

@@ -38,7 +38,7 @@ Game::Game(scenes::Scene scene, protocol::Client& client, GameSettings settings)
     Thing thing;
     thing.id = world_.add_object(spec);
     thing.scene_object = k;
-    const std::string query = scenes::preparation_query(object);
+    const std::string query = scenes::preparation_query(object, settings_.overrides);
     auto [known, is_new] = stored.try_emplace({object.mesh.get(), query});
     Stored& mesh = known->second;
     if (is_new)

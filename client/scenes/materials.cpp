@@ -1,6 +1,8 @@
 // How materials break in the game, and the request for fragments after a hit.
 #include <algorithm>
 #include <cmath>
+#include <string>
+#include <string_view>
 
 #include "client/scenes/scene.hpp"
 
@@ -60,6 +62,26 @@ const std::vector<GameMaterial>& game_materials() {
   return all;
 }
 
+/// Maximum length of `assign` in a query, in bytes. The server's default limit for a whole target is 4,096 bytes.
+constexpr std::size_t kMostInQuery = 2048;
+
+/// For the value of a query (RFC 3986, 2.1).
+std::string percent_encoded(const std::string& text) {
+  constexpr const char* kDigits = "0123456789ABCDEF";
+  constexpr std::string_view kUnreserved =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-._~";
+  std::string encoded;
+  for (const char c : text) {
+    if (kUnreserved.find(c) != std::string_view::npos) {
+      encoded += c;
+      continue;
+    }
+    const auto byte = static_cast<unsigned char>(c);
+    encoded += {'%', kDigits[byte >> 4], kDigits[byte & 15]};
+  }
+  return encoded;
+}
+
 /// Rounds to a tenth of a millimetre, which is precise enough and gives similar hits the same request.
 double rounded(double x) { return std::round(1e4 * x) / 1e4; }
 nlohmann::json rounded(const glm::dvec3& p) {
@@ -107,7 +129,7 @@ void set_material(Scene& scene, const std::string& name) {
   for (SceneObject& object : scene.objects) set_material(object, name);
 }
 
-std::string preparation_query(const SceneObject& object) {
+std::string preparation_query(const SceneObject& object, const nlohmann::json& overrides) {
   const nlohmann::json& parameters = object.breakage.parameters;
   std::string query;
   const auto add = [&](const char* name, const std::string& value) {
@@ -116,6 +138,11 @@ std::string preparation_query(const SceneObject& object) {
   if (const auto material = parameters.find("material"); material != parameters.end())
     add("material", material->get<std::string>());
   if (!object.mesh->unit.empty()) add("unit", object.mesh->unit);
+  if (const auto assign = overrides.find("assign"); assign != overrides.end()) {
+    const std::string text =
+        percent_encoded(assign->is_string() ? assign->get<std::string>() : assign->dump());
+    if (text.size() <= kMostInQuery) add("assign", text);
+  }
   return query;
 }
 

@@ -119,8 +119,9 @@ const std::vector<std::string>& material_names();
 void set_material(SceneObject& object, const std::string& material);
 void set_material(Scene& scene, const std::string& material);
 
-/// The query of PUT /meshes/… for an object's mesh: its material, which may make it hollow.
-std::string preparation_query(const SceneObject& object);
+/// The query of PUT /meshes/… for an object's mesh: its material, and the materials of its parts (`assign` in `overrides`), which may
+/// make it hollow. If they are very long, they are left out, and the server prepares the mesh again for the first request.
+std::string preparation_query(const SceneObject& object, const nlohmann::json& overrides);
 
 /// The body of POST /meshes/…/fracture for a hit. `overrides` (from the panel) replace the parameters that
 /// they contain.

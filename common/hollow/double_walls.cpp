@@ -254,6 +254,7 @@ void warn_of_double_walls(Solid& solid, const Execution& execution) {
   std::vector<double> area(solid.report.shells, 0);
   std::vector<std::uint64_t> triangles(solid.report.shells, 0);
   std::vector<std::uint32_t> first(solid.report.shells, kNoIndex);
+  std::vector<char> has_source(solid.report.shells, 0);  // if not, `thickness` made the shell
   for (std::size_t t = 0; t < solid.triangles.size(); ++t) {
     pacer.step();
     const auto& c = solid.triangles[t];
@@ -262,6 +263,7 @@ void warn_of_double_walls(Solid& solid, const Execution& execution) {
                         to_double(solid.positions[c[2]])});
     ++triangles[s];
     first[s] = std::min(first[s], static_cast<std::uint32_t>(t));
+    has_source[s] = has_source[s] != 0 || solid.wedges[t][0] != kNoIndex;
   }
   const std::vector<Run> runs = hollow_detail::runs_of_parts(solid);
   std::uint64_t found = 0;
@@ -279,6 +281,8 @@ void warn_of_double_walls(Solid& solid, const Execution& execution) {
       inner += area[s];
       if (k == 1 || area[s] > area[largest]) largest = s;
     }
+    if (std::any_of(part.shells.begin(), part.shells.end(), [&](std::uint32_t s) { return !has_source[s]; }))
+      continue;
     const double thickness = 2 * part.volume / (outer + inner);
     if (!(thickness <= kThinWall * part.box.longest_side())) continue;
     std::optional<InnerSide> side;

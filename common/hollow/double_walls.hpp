@@ -21,6 +21,7 @@ inline constexpr double kWidestLeak = 0.005;
 /// leak connects it with the outer side, both are one shell. Then rays along the normals find the triangles that see the
 /// outside. Their largest connected region is the outer side, and the largest region of all others is the inner side.
 /// It is a double wall with a leak if its rim is short (kWidestLeak), and if it encloses more space than the wall fills.
+/// Walls that SolidOptions::thickness made are none, because the request asks for them.
 ///
 /// Cost: linear, and n log n for parts with one shell that are thin. Among these, parts with more than kMostLeakTriangles
 /// triangles are not searched. Throws Interrupted.

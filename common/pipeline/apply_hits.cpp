@@ -19,6 +19,43 @@
 namespace fracture {
 namespace {
 
+void sort_bonds(std::vector<Bond>& bonds, const Execution& execution) {
+  sort_with_polls(execution, bonds.begin(), bonds.end(),
+                  [](const Bond& x, const Bond& y) { return std::tie(x.a, x.b) < std::tie(y.a, y.b); });
+}
+
+/// Sorts fragments by their first sites, parts and ids, so that a client can find the order from an earlier answer and the changes.
+void sort_fragments(BrokenSolid& broken, const Execution& execution) {
+  Pacer pacer(execution);
+  std::vector<SharedFragment>& all = broken.fragments;
+  const auto is_before = [](const SharedFragment& a, const SharedFragment& b) {
+    const auto key = [](const Fragment& f) { return std::tuple(f.sites.front(), f.part, f.id); };
+    return key(a->fragment) < key(b->fragment);
+  };
+  if (std::is_sorted(all.begin(), all.end(), is_before)) return;
+  std::vector<std::uint32_t> order(all.size()), place(all.size());
+  std::iota(order.begin(), order.end(), 0u);
+  sort_with_polls(execution, order.begin(), order.end(),
+                  [&](std::uint32_t a, std::uint32_t b) { return is_before(all[a], all[b]); });
+  std::vector<SharedFragment> sorted;
+  sorted.reserve(all.size());
+  for (std::uint32_t k = 0; k < order.size(); ++k) {
+    pacer.step(2);
+    place[order[k]] = k;
+    sorted.push_back(std::move(all[order[k]]));
+  }
+  all = std::move(sorted);
+  for (Bond& bond : broken.cut.set.bonds) {
+    pacer.step();
+    bond.a = place[bond.a];
+    bond.b = place[bond.b];
+    if (bond.a < bond.b) continue;
+    std::swap(bond.a, bond.b);
+    for (int axis = 0; axis < 3; ++axis) bond.normal[axis] = bond.normal[axis] == 0 ? 0 : -bond.normal[axis];
+  }
+  sort_bonds(broken.cut.set.bonds, execution);
+}
+
 /// A hit on the parts of one set. The cells and the parameters are those of the set.
 class Hit {
  public:
@@ -223,7 +260,7 @@ class Hit {
       bond.b = first_[bond.b];
       bonds.push_back(bond);
     }
-    sort_bonds(bonds);
+    sort_bonds(bonds, execution_);
     broken_.cut.set.bonds = std::move(bonds);
   }
 
@@ -282,7 +319,6 @@ class Hit {
       ++t;
     }
     broken_.fragments = std::move(all);
-    sort_fragments();
     broken_.cut.grouped = broken_.cut.touch_across = true;
     Certificate& c = broken_.cut.set.certificate;
     c.fragments = static_cast<std::uint32_t>(broken_.fragments.size());
@@ -293,44 +329,6 @@ class Hit {
       sums.caps += kept->fragment.cap_sum;
     }
     sum_up(solid_, sums, c);
-  }
-
-  /// Fragments are in the order of their first sites and parts. A piece of a fragment of several parts may have a later
-  /// one of these.
-  void sort_fragments() {
-    std::vector<SharedFragment>& all = broken_.fragments;
-    const auto key = [](const SharedFragment& kept) {
-      return std::pair(kept->fragment.sites.front(), kept->fragment.part);
-    };
-    if (std::is_sorted(all.begin(), all.end(),
-                       [&](const SharedFragment& a, const SharedFragment& b) { return key(a) < key(b); }))
-      return;
-    std::vector<std::uint32_t> order(all.size()), place(all.size());
-    std::iota(order.begin(), order.end(), 0u);
-    sort_with_polls(execution_, order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
-      return std::pair(key(all[a]), a) < std::pair(key(all[b]), b);
-    });
-    std::vector<SharedFragment> sorted;
-    sorted.reserve(all.size());
-    for (std::uint32_t k = 0; k < order.size(); ++k) {
-      pacer_.step(2);
-      place[order[k]] = k;
-      sorted.push_back(std::move(all[order[k]]));
-    }
-    all = std::move(sorted);
-    for (Bond& bond : broken_.cut.set.bonds) {
-      pacer_.step();
-      bond.a = place[bond.a];
-      bond.b = place[bond.b];
-      if (bond.a < bond.b) continue;
-      std::swap(bond.a, bond.b);
-      bond.normal = -1.0 * bond.normal;
-    }
-    sort_bonds(broken_.cut.set.bonds);
-  }
-  void sort_bonds(std::vector<Bond>& bonds) const {
-    sort_with_polls(execution_, bonds.begin(), bonds.end(),
-                    [](const Bond& x, const Bond& y) { return std::tie(x.a, x.b) < std::tie(y.a, y.b); });
   }
 
   const Solid& solid_;
@@ -354,15 +352,15 @@ struct Effect {
 Expected<Effect> hit_set(const Solid& solid, const PartSet& set, Remarks& remarks, BrokenSolid& broken,
                          const Execution& execution) {
   const FractureParameters& parameters = set.parameters;
-  Expected<HitCells> cells =
-      cells_of_hit(set.solid_in(solid), parameters, parameters.hits, broken.hits, remarks, execution);
+  Expected<HitCells> cells = cells_of_hit(set.solid_in(solid), parameters, parameters.hits, broken.hits,
+                                          parameters.keep, remarks, execution);
   if (!cells) return tl::unexpected(std::move(cells.error()));
   SiteFigures& figures = broken.notes.figures;
   figures.given += cells->sites + cells->duplicates;
   figures.used += cells->sites;
   figures.duplicates_merged += cells->duplicates;
   if (cells->empty()) return Effect{};
-  for (const SiteId s : cells_to_spare(solid, *cells, parameters, execution)) cells->groups[s] = 0;
+  spare_region(solid, parameters, *cells, execution);
   const Expected<bool> cuts = Hit(solid, set, *cells, broken, execution).run();
   if (!cuts) return tl::unexpected(cuts.error());
   return Effect{true, *cuts};
@@ -383,6 +381,9 @@ Expected<void> apply_hits(const Solid& solid, const FractureParameters& paramete
       all.has_cells = all.has_cells || done->has_cells;
       all.cuts = all.cuts || done->cuts;
     }
+    sort_fragments(
+        broken,
+        execution);  // also if nothing was cut, because islands are in another order before the first hit
     if (all.has_cells)
       remarks.warnings.clear();  // they say that the hit has no room among the parts of some set
     if (all.has_cells && !all.cuts)

@@ -90,14 +90,18 @@ std::vector<SiteId> cells_near_kept(const SeenSolid& seen, const VoronoiDiagram&
   return cells_meeting(*parameters.keep, diagram, seen.seen().box, execution, movements);
 }
 
-std::vector<SiteId> cells_to_spare(const Solid& solid, const HitCells& cells,
-                                   const FractureParameters& parameters, const Execution& execution) {
-  if (!parameters.keep) return {};
-  FractureParameters spares = parameters;
-  spares.keep = around(*parameters.keep, solid.box);
+void spare_region(const Solid& solid, const FractureParameters& parameters, HitCells& cells,
+                  const Execution& execution) {
+  if (!parameters.keep) return;
   const SeenSolid seen(solid, cells.map, execution);
   const VoronoiDiagram diagram(cells.dual, cells.image, cells.map, execution);
-  return cells_near_kept(seen, diagram, spares, execution);
+  for (const SiteId s : cells_meeting(*parameters.keep, diagram, seen.seen().box, execution))
+    cells.groups[s] = 0;
+  if (!(parameters.roughness.amplitude > 0)) return;
+  FractureParameters spares = parameters;
+  spares.keep = around(*parameters.keep, solid.box);
+  cells.flat.assign(cells.dual.site_count(), Restraint::kNone);
+  for (const SiteId s : cells_near_kept(seen, diagram, spares, execution)) cells.flat[s] = Restraint::kFlat;
 }
 
 Restraints flat_near_kept(const SeenSolid& seen, const VoronoiDiagram& diagram,

@@ -29,10 +29,10 @@ std::vector<SiteId> kept_cells(const SeenSolid& seen, const VoronoiDiagram& diag
 std::vector<SiteId> cells_near_kept(const SeenSolid& seen, const VoronoiDiagram& diagram,
                                     const FractureParameters& parameters, const Execution& execution);
 
-/// Returns the cells of a hit that meet the region to keep, or might with their rough cuts. `parameters`: those of the hit.
-/// Throws Interrupted.
-std::vector<SiteId> cells_to_spare(const Solid& solid, const HitCells& cells,
-                                   const FractureParameters& parameters, const Execution& execution);
+/// Gives cells of a hit that meet the region to keep to the rest (hit_region.hpp leaves none, unless two sites are at one place), and
+/// sets HitCells::flat. `parameters`: those of the hit. Throws Interrupted.
+void spare_region(const Solid& solid, const FractureParameters& parameters, HitCells& cells,
+                  const Execution& execution);
 
 /// Returns flat cuts for the kept cells and for cells whose rough cuts might enter the region. Empty if cuts
 /// are flat anyway. Throws Interrupted.

@@ -181,7 +181,7 @@ Expected<std::optional<PiecesOfFragment>> cut_again(const HitOnFragments& hit, c
   parameters.pivot = Pivot::kSource;
   CutCells cut;
   const auto judged = [&](const FragmentSet& set) { return judge(set, solid, Promise::kPartition); };
-  make_rough_fragments(restricted, parameters, hit.limits, ownership, /*always=*/{},
+  make_rough_fragments(restricted, parameters, hit.limits, ownership, /*always=*/hit.cells.flat,
                        unions_across(restricted, ownership, parameters, execution), judged, execution, cut);
   if (const Verdict verdict = judged(cut.set); !verdict.sound())
     return tl::unexpected(unsound(verdict, cut.set.certificate));

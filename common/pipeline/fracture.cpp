@@ -113,7 +113,8 @@ Expected<Diagram> make_diagram(const Solid& solid, const FractureParameters& giv
     diagram.bricks = std::move(plan->bricks);
     diagram.map = plan->map;
     diagram.clearance = plan->clearance;
-    remarks.add(plan->remarks);
+    // With LocalRest::kWhole, the only point is not one of the request.
+    if (given.hits.empty() || given.rest == LocalRest::kFractured) remarks.add(plan->remarks);
     diagram.remarks = std::move(remarks);
     const std::span<const Vec3d> impacts = impacts_of(parameters.pattern);
     diagram.impacts.assign(impacts.begin(), impacts.end());

@@ -11,6 +11,7 @@
 #include "common/base/words.hpp"
 #include "common/bvh/surface_tree.hpp"
 #include "common/pipeline/aggregate.hpp"
+#include "common/pipeline/hit_region.hpp"
 
 namespace fracture {
 namespace {
@@ -124,6 +125,84 @@ void add_remark(std::size_t hit, std::size_t missing, std::size_t asked, double 
                  ".");
 }
 
+/// The cells of a hit end at this distance from a region to keep, in radii. It differs from hit to hit, so that cuts of two hits do not
+/// lie in one plane.
+double margin_of(std::size_t hit) { return 0.02 + 0.0025 * static_cast<double>(hit % 8); }
+
+/// If the region takes sites from a hit, at most this many times as many are drawn.
+constexpr std::size_t kMostDrawn = 8;
+
+std::size_t share_up(std::uint32_t count, std::size_t whole, std::size_t part) {
+  return (count * whole + part - 1) / part;
+}
+
+/// The sites of one hit.
+class SitesOfHit {
+ public:
+  /// `radius`: in the image. Borrows `seen`.
+  SitesOfHit(const SeenSolid& seen, const SiteParameters& near, const Vec3d& center, double radius,
+             const HitRegion* region, const Execution& execution)
+      : seen_(seen), near_(near), center_(center), radius_(radius), region_(region), execution_(execution) {}
+
+  /// Sites that did not fit near the point were placed elsewhere and are not part of the hit.
+  Expected<void> plan() {
+    Expected<std::vector<Vec3d>> drawn = draw();
+    if (!drawn) return tl::unexpected(std::move(drawn.error()));
+    points = std::move(*drawn);
+    near_the_point = points.size();
+    if (!region_) return {};
+    region_->leave_out_inside(points);
+    if (points.size() == near_the_point || points.empty()) return {};
+    // As many sites as were asked for, around the region.
+    const auto most = static_cast<std::size_t>(near_.most_sites / std::max(1u, cells_per_fragment(near_)));
+    const std::size_t more =
+        std::min({share_up(near_.sites, near_the_point, points.size()), kMostDrawn * near_.sites, most});
+    if (more <= near_.sites) return {};
+    asked_before_ = asked;
+    near_.sites = static_cast<std::uint32_t>(more);
+    drawn = draw();
+    asked = asked_before_;
+    if (!drawn) return tl::unexpected(std::move(drawn.error()));
+    region_->leave_out_inside(*drawn);
+    if (drawn->size() > points.size()) points = std::move(*drawn);
+    return {};
+  }
+
+  std::vector<Vec3d> points;
+  std::size_t asked = 0;           ///< sites of the plan, near the point or not
+  std::size_t near_the_point = 0;  ///< those near it, in the region or not
+
+ private:
+  Expected<std::vector<Vec3d>> draw() {
+    Expected<SitePlan> plan = plan_sites(seen_, near_, execution_);
+    if (!plan) return tl::unexpected(std::move(plan.error()));
+    asked = plan->points.size();
+    std::erase_if(plan->points, [&](const Vec3d& p) {
+      return !(length(p - center_) <= (kSitesWithin + kRounding) * radius_);
+    });
+    return std::move(plan->points);
+  }
+
+  const SeenSolid& seen_;
+  SiteParameters near_;
+  const Vec3d center_;
+  const double radius_;
+  const HitRegion* const region_;
+  const Execution& execution_;
+  std::size_t asked_before_ = 0;
+};
+
+/// Says that a hit meets the region to keep. `is_all`: the region contains everything that it reaches.
+void add_remark_on_region(std::size_t hit, bool is_all, Remarks& remarks) {
+  if (is_all)
+    remarks.warn("Hit " + grouped(hit) +
+                 " breaks nothing off, because all that it reaches is in the region to keep. Move "
+                 "'local_point' out of the region, or make the region smaller.");
+  else
+    remarks.note("Hit " + grouped(hit) +
+                 " reaches into the region to keep, which stays whole. Its pieces lie outside the region.");
+}
+
 /// The box of the images of a box's corners.
 template <class Map>
 Box box_of_images(const Box& box, const Map& map) {
@@ -142,7 +221,8 @@ std::span<const Vec3d> guard_directions() {
 }
 
 Expected<HitCells> cells_of_hit(const Solid& solid, const SiteParameters& parameters,
-                                std::span<const LocalImpact> hits, std::size_t number, Remarks& remarks,
+                                std::span<const LocalImpact> hits, std::size_t number,
+                                const std::optional<Region>& keep, Remarks& remarks,
                                 const Execution& execution) {
   const LocalImpact& hit = hits[number];
   SiteParameters near = parameters;
@@ -166,15 +246,20 @@ Expected<HitCells> cells_of_hit(const Solid& solid, const SiteParameters& parame
       cells.map ? hit.radius / most_stretch(cells.map.of_part(0).inverse) : hit.radius;  // in the image
   const Vec3d center = image(hit.point);
   std::get<ImpactPattern>(near.pattern).radius = kSitesWithin * radius;
-  Expected<SitePlan> plan = plan_sites(SeenSolid(solid, cells.map, execution), near, execution);
-  if (!plan) return tl::unexpected(plan.error());
-  // Sites that did not fit near the point were placed elsewhere and are not part of the hit.
-  std::vector<Vec3d>& points = plan->points;
-  cells.asked = static_cast<std::uint32_t>(points.size());
-  std::erase_if(points,
-                [&](const Vec3d& p) { return !(length(p - center) <= (kSitesWithin + kRounding) * radius); });
-  if (const std::size_t missing = cells.asked - points.size(); missing > 0)
-    add_remark(number + 1, missing, cells.asked, hit.radius, remarks);
+  const SeenSolid seen(solid, cells.map, execution);
+  std::optional<HitRegion> region;
+  if (keep) {
+    region.emplace(*keep, margin_of(number) * hit.radius, seen);
+    if (!region->reaches(center, kReach * radius)) region.reset();
+  }
+  SitesOfHit planned(seen, near, center, radius, region ? &*region : nullptr, execution);
+  if (auto done = planned.plan(); !done) return tl::unexpected(std::move(done.error()));
+  std::vector<Vec3d>& points = planned.points;
+  cells.asked = static_cast<std::uint32_t>(planned.asked);
+  if (const std::size_t missing = planned.asked - planned.near_the_point; missing > 0)
+    add_remark(number + 1, missing, planned.asked, hit.radius, remarks);
+  if (region && region->reaches(center, radius) && planned.near_the_point > 0)
+    add_remark_on_region(number + 1, points.empty(), remarks);
   if (points.empty()) return cells;
   std::vector<std::uint32_t> groups =
       group_sites(points, center, std::max(1u, cells_per_fragment(near)), execution);
@@ -190,6 +275,8 @@ Expected<HitCells> cells_of_hit(const Solid& solid, const SiteParameters& parame
     points.push_back(guard);
     groups.push_back(0);
   }
+  if (region)
+    for (std::size_t k = 0; k < of_hit; ++k) points.push_back(region->companion(points[k]));
   cells.image = box_of_images(solid.box, image);
   if (cells.map) {  // vertices of the image are rounded to float
     Box& box = cells.image;

@@ -17,12 +17,15 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "common/base/error.hpp"
 #include "common/base/execution.hpp"
 #include "common/delaunay/tetrahedralization.hpp"
+#include "common/pipeline/keep_region.hpp"
+#include "common/rough/restraint.hpp"
 #include "common/sites/pattern.hpp"
 
 namespace fracture {
@@ -54,6 +57,8 @@ struct HitCells {
   Tetrahedralization dual;  ///< of the image
   /// Per site, numbered as in `dual`: cells with equal numbers stay together. 0: the guards.
   std::vector<std::uint32_t> groups;
+  /// Flat cuts for cells whose rough cuts might enter the region to keep; empty: none.
+  Restraints flat{};
   CellMap map;  ///< identity, or one frame for all parts
   Box image;    ///< contains the solid's image under the map
   Box reach;    ///< contains all cells of the hit, in the frame of the solid
@@ -64,9 +69,11 @@ struct HitCells {
 
 /// Makes the diagram of hits[number]. Its sites depend on the number, so a second hit at the same place breaks more.
 /// Sites that do not fit into the solid near the hit are left out, with a remark. If each part has a grain of its own,
-/// the grain of the part that is nearest to the hit applies. Errors: those of plan_sites() and tetrahedralize().
+/// the grain of the part that is nearest to the hit applies. `keep`: a region that the cells do not enter (hit_region.hpp). If
+/// it takes sites from the hit, there are more sites around it instead. Errors: those of plan_sites() and tetrahedralize().
 Expected<HitCells> cells_of_hit(const Solid& solid, const SiteParameters& parameters,
-                                std::span<const LocalImpact> hits, std::size_t number, Remarks& remarks,
+                                std::span<const LocalImpact> hits, std::size_t number,
+                                const std::optional<Region>& keep, Remarks& remarks,
                                 const Execution& execution);
 
 /// Returns, for each part, whether the hit's ball touches it. Cells reach a little farther (kReach), but other parts stay whole.

@@ -169,7 +169,7 @@ void report_kept(const FractureParameters& p, const CutCells& cut, Report& repor
     report.remarks.warn("The region of " + name +
                         " contains nothing of the mesh, so nothing is kept whole. Move it onto the mesh; its "
                         "coordinates are in metres, with y up.");
-  else if (cut.kept_share > kAllKept)
+  else if (cut.kept_share > kAllKept && (p.hits.empty() || p.rest == LocalRest::kFractured))
     report.remarks.warn("The region of " + name +
                         " contains the whole mesh, so nothing is cut. Make the region smaller.");
 }

@@ -27,6 +27,22 @@ struct SolidShape {
 };
 SolidShape shape_of(const Solid& solid);
 
+/// How many random cells of the volume `cell` (m³) meet a convex body, on average: one, and further ones that follow from the means of a
+/// cell and of the body (Santaló 1976, III.15). `sides` (m): of a box with about the body's surface and width; `volume` (m³): of the body.
+double cells_meeting(const Vec3d& sides, double volume, double cell);
+
+/// Parts in contact with no other part, if they are much smaller than a cell of this volume (m³). None of them becomes part of another
+/// fragment.
+struct LooseParts {
+  double count = 0;
+  double pieces = 0;  ///< that random cells cut them into
+};
+/// `are_apart`: parts are loose although they are in contact. If contacts are not known, there are none. Linear in parts and contacts.
+LooseParts loose_parts(const Solid& solid, double cell, bool are_apart);
+
+/// The sides of a part's box, m, shrunk so that they have the part's volume.
+Vec3d filled_sides(const Part& part, const Vec3d& sides);
+
 /// Surface of a box of volume 1 that is `stretch` times as long as wide, relative to a cube's.
 double surface_of_stretched(double stretch);
 

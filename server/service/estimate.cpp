@@ -78,6 +78,13 @@ Numbers numbers_of(const FractureParameters& p, const Solid& solid, const Select
   double group = cells_per_fragment(p);
   n.fragments = p.size.fragments > 0 ? p.size.fragments : n.cells / group;
   if (p.size.max_fragments > 0) n.fragments = std::fmin(n.fragments, p.size.max_fragments);
+  if (shape.parts > 1 && n.cells > 1) {
+    const LooseParts loose = loose_parts(solid, shape.volume / n.cells, p.parts == Parts::kApart);
+    if (p.size.fragments > 0 || p.size.max_fragments > 0)
+      n.fragments = std::fmax(n.fragments, 1 + loose.count);
+    else
+      n.fragments += p.size.any_least() ? loose.count : loose.pieces;
+  }
   if (p.parts == Parts::kApart) n.fragments = std::fmax(n.fragments, shape.parts);
   if (std::holds_alternative<BrickPattern>(p.pattern))
     group = std::fmax(1, n.cells / n.fragments);  // lumps of bricks

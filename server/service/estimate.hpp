@@ -1,6 +1,6 @@
 // Estimates an answer and the memory of its computation before anything is computed. The estimate follows from the parameters and a few
-// figures of the solid, in constant time. admission.cpp reserves memory by it, and the service refuses requests by it that cannot
-// fit. POST /meshes/{id}/estimate returns it.
+// figures of the solid and its parts, in time linear in the parts. admission.cpp reserves memory by it, and the service refuses requests
+// by it that cannot fit. POST /meshes/{id}/estimate returns it.
 #pragma once
 
 #include <cstdint>

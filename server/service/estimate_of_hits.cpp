@@ -47,9 +47,49 @@ double common_share(const LocalImpact& a, const LocalImpact& b) {
   return lens / (4 * kPi / 3 * r * r * r);
 }
 
+/// A part is small if it has at most this share of the space that a hit breaks.
+constexpr double kSmallPart = 0.25;
+
+/// The small parts that a hit reaches. The hit cuts each of them by itself.
+struct SmallParts {
+  double count = 0, volume = 0;
+  double pieces = 0;     ///< of all of them together
+  bool are_all = false;  ///< whether the hit reaches no larger part
+};
+
+/// `space`: m³, that the hit breaks if the solid fills it. Linear in the parts.
+SmallParts small_parts_at(const LocalImpact& hit, const Solid& solid, double space) {
+  SmallParts small;
+  if (solid.parts.size() < 2) return small;
+  const double cell = space / hit.sites;
+  std::size_t larger = 0;
+  for (const Part& part : solid.parts) {
+    Vec3d sides, beyond;  // of the box in the cube around the ball, and from the hit to the box
+    for (int a = 0; a < 3; ++a) {
+      sides[a] = std::fmin(part.box.max[a], hit.point[a] + hit.radius) -
+                 std::fmax(part.box.min[a], hit.point[a] - hit.radius);
+      beyond[a] = std::fmax(0, std::fmax(part.box.min[a] - hit.point[a], hit.point[a] - part.box.max[a]));
+    }
+    const Vec3d box = part.box.size();
+    if (length(beyond) > hit.radius || !(box.x * box.y * box.z > 0)) continue;
+    const double inside = part.volume * (sides.x / box.x) * (sides.y / box.y) * (sides.z / box.z);
+    if (inside > kSmallPart * space) {
+      ++larger;
+      continue;
+    }
+    const double met = cells_meeting(filled_sides(part, sides), inside, cell);
+    ++small.count;
+    small.volume += inside;
+    small.pieces += std::fmin(1.0 + hit.sites, 1 + kDenseInTheMiddle * (met - 1));
+  }
+  small.are_all = small.count > 0 && larger == 0;
+  return small;
+}
+
 /// The part of the solid that a hit breaks.
 struct Place {
   double volume = 0, area = 0;
+  double space = 0;  ///< m³, if the solid filled all of it
 };
 
 /// A hit is usually at the surface, so half of its ball is inside, or the part of a wall that it contains. With stretched cells it is
@@ -57,7 +97,7 @@ struct Place {
 Place place_of(const LocalImpact& hit, const SolidShape& shape, double stretch) {
   const double r = hit.radius, narrow = stretch > 1 ? 1 / (stretch * stretch) : stretch;
   const double half_ball = 2 * kPi / 3 * r * r * r * narrow, disc = kPi * r * r * std::sqrt(narrow);
-  Place place;
+  Place place{.space = half_ball};
   place.volume = std::min({half_ball, disc * shape.thickness(), shape.volume});
   place.area = std::min(disc * std::min(2.0, half_ball / place.volume), shape.area);
   return place;
@@ -86,13 +126,18 @@ HitNumbers expected_of_hits(const FractureParameters& parameters, const Solid& s
     double of_hits = 0;  // pieces of earlier hits in the ball
     for (std::size_t j = 0; j < k; ++j) of_hits += added[j] * common_share(parameters.hits[j], hit);
     there += of_hits;
-    const double own = hit.sites;
+    const SmallParts small = small_parts_at(hit, solid, place.space);
+    // The sites in larger parts. (At least a little, because it divides.)
+    const double own =
+        small.are_all ? 1e-6 * hit.sites : hit.sites * place.volume / (place.volume + small.volume);
+    const double cutting = of_hits > 0 ? hit.sites : own;  // small parts have pieces of earlier hits
     const double flatness = std::fmin(1, std::cbrt(place.volume / own) / shape.thickness());
     const auto between = [&](double solid_value, double prism) {
       return solid_value + flatness * (prism - solid_value);
     };
-    double mixed = pieces_of_overlay(there, own, flatness);
-    if (least_volume > 0) mixed = std::fmin(mixed, std::fmax(0, place.volume / least_volume - own));
+    double mixed = pieces_of_overlay(there, cutting, flatness) + small.pieces - small.count;
+    if (least_volume > 0)
+      mixed = std::fmin(mixed, std::fmax(0, (place.volume + small.volume) / least_volume - own));
     const double more = own + mixed;
     added.push_back(more);
     if (k < first) continue;
@@ -121,15 +166,16 @@ HitNumbers expected_of_hits(const FractureParameters& parameters, const Solid& s
     const double cuts = 2 * std::fmax(flat_caps, rough_caps);
     // All triangles of a fragment that is cut are made again. The fragments that meet the ball:
     const double root = std::cbrt(there);
-    const double met = std::fmin(1, (1 + there + kOverlay * (root + root * root)) / std::fmax(1, fragments));
+    const double met =
+        std::fmin(1, (1 + there + small.count + kOverlay * (root + root * root)) / std::fmax(1, fragments));
     const double made = (met * triangles + surface + cuts) * (cells > 1 ? kCountedOfMerged : 1);
-    all.sites += cells * own;
+    all.sites += cells * hit.sites;
     all.fragments += more;
     all.surface += surface;
     (rough_caps > 0 ? all.rough_triangles : all.cut_triangles) += cuts;
     all.hulls += more * (cells > 1 ? 2 : 1) + met * fragments;
     all.kept_bytes += bytes(Product::kFragmentTriangles, surface + cuts);
-    const double site_cells = cells * own + static_cast<double>(guard_directions().size());
+    const double site_cells = cells * hit.sites + static_cast<double>(guard_directions().size());
     const double step =
         bytes(Product::kTetrahedra, kTetrahedraPerSite * site_cells) +
         bytes(Product::kPolygons, 2 * crossings + kCellsOnSection * widths) +

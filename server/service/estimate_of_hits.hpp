@@ -19,9 +19,10 @@ struct HitNumbers {
 };
 
 /// Expects the effect of the hits from number `first` on. The hits before it count as pieces that are there.
-/// `fragments`, `triangles`: of the answer without any hits. Quadratic in the hits, of which there are at most 64. A solid
-/// without volume gives zeros.
+/// `fragments`, `triangles`: of the answer without any hits. Linear in the parts, and quadratic in the hits, of which there are at most
+/// 64. A solid without volume gives zeros.
 ///
+/// The cells of a hit cut each small part by itself. The number of its pieces is the number of cells that meet it.
 /// The number of pieces in an overlay of two independent sets of random cells is the number of pairs of cells that meet. It follows
 /// from the mean volume, surface and width of a cell (Santaló 1976, Integral Geometry and Geometric Probability, III.15; the means of
 /// Meijering 1953).

@@ -134,6 +134,25 @@ TEST(Scene, AMaterialIsForEverythingAndKeepsTheAnchors) {
   }
 }
 
+TEST(PreparationQuery, HasTheMaterialsOfParts) {
+  Expected<Scene> scene = make_scene("panes");
+  ASSERT_TRUE(scene);
+  set_material(*scene, "wood");
+  const SceneObject& object = scene->objects[0];
+  const std::string plain = preparation_query(object, nlohmann::json::object());
+  EXPECT_EQ(plain.find("assign"), std::string::npos);
+  EXPECT_EQ(preparation_query(object, {{"assign", "Window_*:glass"}}), plain + "&assign=Window_%2A%3Aglass");
+  nlohmann::json entry;
+  entry["node"] = "W";
+  entry["material"] = "glass";
+  nlohmann::json listed;
+  listed["assign"] = nlohmann::json::array({entry});
+  EXPECT_EQ(preparation_query(object, listed),
+            plain + "&assign=%5B%7B%22material%22%3A%22glass%22%2C%22node%22%3A%22W%22%7D%5D");
+  listed["assign"] = std::string(5000, 'x') + ":glass";
+  EXPECT_EQ(preparation_query(object, listed), plain) << "the request would be refused";
+}
+
 TEST(FractureParameters, GrowWithTheEnergy) {
   SceneObject object;
   object.breakage = {{{"material", "stone"}}, true, true, 80, 0.5, 1000};

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 #include <set>
+#include <tuple>
 
 #include "common/contacts/contacts.hpp"
 #include "common/hits/delta.hpp"
@@ -250,6 +251,22 @@ TEST(ReachOfHits, PartsBetweenTheBallAndTheReachStayWhole) {
     for (const Fragment& f : made.set.fragments) ++pieces[f.part];
     EXPECT_GT(pieces[0], 5u);
     EXPECT_EQ(pieces[1], 1u);
+  }
+}
+
+// So a client that has an earlier answer and the changes knows the order of the whole answer.
+TEST(ReachOfHits, FragmentsAreInTheOrderOfTheirSitesPartsAndIds) {
+  FractureParameters p;
+  p.sites = 10;
+  for (const LocalRest rest : {LocalRest::kWhole, LocalRest::kFractured}) {
+    p.rest = rest;
+    p.hits = {{{0, 1, 0}, 0.2, 12}, {{0.1, 1, 0}, 0.15, 12}};
+    const FragmentSet set = fracture_mesh(unit_cube(), p).set;
+    const auto key = [](const Fragment& f) { return std::tuple(f.sites.front(), f.part, f.id); };
+    ASSERT_GT(set.fragments.size(), 20u);
+    for (std::size_t k = 1; k < set.fragments.size(); ++k)
+      EXPECT_LT(key(set.fragments[k - 1]), key(set.fragments[k])) << k;
+    for (const Bond& bond : set.bonds) EXPECT_LT(bond.a, bond.b);
   }
 }
 

@@ -104,5 +104,12 @@ TEST(DoubleWalls, AVesselIsNot) {
   EXPECT_THAT(warnings_of(tub, {.thickness = 0.02}), IsEmpty());
 }
 
+// Cavities of rooms are meant, too: the request asks for the walls around them.
+TEST(DoubleWalls, WallsOfARoomAreNot) {
+  const Mesh room = reversed(cube(8));
+  ASSERT_EQ(solid_of(room, {.thickness = 0.02}).report.rooms_walled, 1u);
+  EXPECT_THAT(warnings_of(room, {.thickness = 0.02}), IsEmpty());
+}
+
 }  // namespace
 }  // namespace fracture::test

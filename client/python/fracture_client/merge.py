@@ -1,15 +1,14 @@
 """Merges an answer with the changes from a hit (`delta=only`) into a single answer with all fragments.
 
-The result has the same fragments, data and bonds as the server's answer to `delta=stated`. Fragments are ordered by their first
-site, then by their part of the mesh. The order differs from the server's only if the hit cuts several pieces of one cell and part,
-and pieces between them stay.
+The result is the server's answer to `delta=stated`. Fragments are ordered by their first site, then by their part of the mesh, then
+by their id.
 """
 from __future__ import annotations
 
 import copy
 import re
 from dataclasses import dataclass
-from typing import Any, Dict, List, Optional, Set, Tuple
+from typing import Any, Dict, List, Optional, Tuple
 
 from .buffers import Buffers, Json
 from .filters import Filter, collision_filters
@@ -90,36 +89,12 @@ def _pieces(whole: Glb, delta: Glb, figures: Json) -> List[_Piece]:
     if len(stay) + len(after) != figures["certificate"]["fragments"]:
         raise damaged(f"its certificate states {figures['certificate']['fragments']} fragments, but the merged answer has "
                       f"{len(stay) + len(after)}")
-    return _in_order(before, after, changed | gone)
+    return _in_order(stay, after)
 
 
-def _in_order(before: List[_Piece], after: List[_Piece], cut: Set[int]) -> List[_Piece]:
-    """Merges two lists of fragments, by their first site and part. `before` contains the fragments that were cut, too."""
-    groups: Dict[Tuple[int, int], Tuple[List[_Piece], List[_Piece]]] = {}  # by first site and part
-    for number, pieces in enumerate((before, after)):
-        for piece in pieces:
-            place = (int((piece.own["sites"] or [-1])[0]), int(piece.own.get("part", 0)))
-            groups.setdefault(place, ([], []))[number].append(piece)
-    return [piece for place in sorted(groups) for piece in _in_cell(*groups[place], cut)]
-
-
-def _in_cell(before: List[_Piece], after: List[_Piece], cut: Set[int]) -> List[_Piece]:
-    """Merges the pieces of a cell. New pieces take the place of the piece that they come from; a changed piece keeps its id there."""
-    last = max((k for k, piece in enumerate(before) if piece.id in cut), default=-1)
-    here = {piece.id for piece in after}
-    new = iter(after)
-    ordered: List[_Piece] = list(new) if last < 0 else []  # pieces of an earlier cell, which lost its first site or part
-    for k, old in enumerate(before):
-        if old.id not in cut:
-            ordered.append(old)
-        elif k == last:
-            ordered += new
-        elif old.id in here:
-            for piece in new:
-                ordered.append(piece)
-                if piece.id == old.id:
-                    break
-    return ordered
+def _in_order(stay: List[_Piece], after: List[_Piece]) -> List[_Piece]:
+    """Returns all fragments by their first site, part and id, as on the server."""
+    return sorted(stay + after, key=lambda piece: (int((piece.own["sites"] or [-1])[0]), int(piece.own.get("part", 0)), piece.id))
 
 
 def _rename(pieces: List[_Piece]) -> None:

@@ -1,12 +1,9 @@
 // Merges an answer with the changes from a hit (delta=only) into the answer that the server gives with delta=stated. The layout matches
 // the server's files (common/gltf), so the binary chunks are identical.
 //
-//   before   a b c d e          kept      a c d           order    by the first site, as on the server
+//   before   a b c d e          kept      a c d           order    by the first site, part and id, as on the server
 //   changes      B' x y    ──>  changes     B' x y   ──>  names    renumbered in that order
 //   gone     e                                            bonds    between kept fragments from before, others from the changes
-//
-// If the hit cuts several pieces of one cell and part, and pieces between them stay, the files do not show the order of these pieces in
-// the server's answer. Their numbers and names can then differ. Everything else is identical.
 import { type Glb, type Gltf, type GltfMesh, type GltfNode, packGlb, type Vector3 } from './glb.js';
 import { collisionFilters } from './filters.js';
 import { type BondColumns, type Figures, figuresOf, sheetNodeOf } from './fragments.js';
@@ -61,36 +58,10 @@ function sourcesOf(glb: Glb): Source[] {
   });
 }
 
-/** Returns all fragments by their first site, then by part. `left`: ids of the fragments that changed or are gone. */
+/** Returns all fragments by their first site, part and id. `left`: ids of the fragments that changed or are gone. */
 function inOrder(before: Source[], after: Source[], left: ReadonlySet<number>): Source[] {
-  const cells = new Map<string, { site: number; part: number; old: Source[]; fresh: Source[] }>();
-  const cellOf = ({ figures }: Source) => {
-    const site = figures['sites'][0] as number, part = figures['part'] as number, key = `${site} ${part}`;
-    if (!cells.has(key)) cells.set(key, { site, part, old: [], fresh: [] });
-    return cells.get(key)!;
-  };
-  for (const source of before) cellOf(source).old.push(source);
-  for (const source of after) cellOf(source).fresh.push(source);
-  return [...cells.values()].sort((a, b) => a.site - b.site || a.part - b.part).flatMap(({ old, fresh }) => inCell(old, fresh, left));
-}
-
-/** Merges the pieces of a cell. New pieces take the place of the piece that they come from; a changed piece keeps its id there. */
-function inCell(old: Source[], fresh: Source[], left: ReadonlySet<number>): Source[] {
-  const idOf = ({ figures }: Source) => figures['id'] as number, here = new Set(fresh.map(idOf)), result: Source[] = [];
-  const last = old.reduce((found, source, k) => (left.has(idOf(source)) ? k : found), -1);
-  if (last < 0) return [...fresh, ...old];  // pieces of an earlier cell, which lost its first site or part
-  let next = 0;
-  old.forEach((source, k) => {
-    const id = idOf(source);
-    if (!left.has(id)) result.push(source);
-    else if (k === last) result.push(...fresh.slice(next));
-    else if (here.has(id))
-      for (let found = false; !found && next < fresh.length; ++next) {
-        result.push(fresh[next]!);
-        found = idOf(fresh[next]!) === id;
-      }
-  });
-  return result;
+  const stay = before.filter(({ figures }) => !left.has(figures['id'] as number));
+  return [...stay, ...after].sort(({ figures: a }, { figures: b }) => a['sites'][0] - b['sites'][0] || a['part'] - b['part'] || a['id'] - b['id']);
 }
 
 /** Returns the hull meshes of a fragment in the order of the nodes that refer to them, without duplicates. Its sheets are none. */

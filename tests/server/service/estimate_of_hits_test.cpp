@@ -6,8 +6,10 @@
 #include <cstdio>
 #include <cstdlib>
 #include <string>
+#include <vector>
 
 #include "common/base/product.hpp"
+#include "common/contacts/contacts.hpp"
 #include "server/service/admission.hpp"
 #include "server/service/estimate.hpp"
 #include "tests/support/shapes.hpp"
@@ -76,6 +78,80 @@ TEST(EstimateOfHits, CountsWhatHitsMake) {
     EXPECT_TRUE(near_within(expected.triangles, triangles, 2.5)) << expected.triangles << " of " << triangles;
     EXPECT_TRUE(near_within(expected.working_bytes, bytes, 2.5)) << expected.working_bytes << " of " << bytes;
   }
+}
+
+/// A slab with n * n cubes above it, which touch nothing.
+Mesh slab_with_cubes(int n, double side, double pitch) {
+  std::vector<Mesh> parts{box({-2, -1, -2}, {2, 0, 2})};
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n; ++j) {
+      const Vec3d low{-0.5 + pitch * i, 0.01, -0.5 + pitch * j};
+      parts.push_back(box(low, low + Vec3d{side, side, side}));
+    }
+  return joined(parts);
+}
+
+Mesh planks() {
+  std::vector<Mesh> parts;
+  for (int k = 0; k < 20; ++k) parts.push_back(box({-1, 0.11 * k, 0}, {1, 0.11 * k + 0.1, 0.02}));
+  return joined(parts);
+}
+
+Mesh slab_with_rods() {
+  std::vector<Mesh> parts{box({-2, -1, -2}, {2, 0, 2})};
+  for (int k = 0; k < 20; ++k) parts.push_back(box({-1 + 0.1 * k, 0.01, -1}, {-0.98 + 0.1 * k, 0.03, 1}));
+  return joined(parts);
+}
+
+// The cells of a hit cut each part by itself. Until algorithm 27, the estimate was a third to a half of the new pieces.
+TEST(EstimateOfHits, CountsThePiecesOfSmallParts) {
+  struct PartsCase {
+    const char* name;
+    Mesh mesh;
+    LocalImpact hit;
+  };
+  const std::vector<PartsCase> cases{
+      {"cubes", slab_with_cubes(8, 0.1, 0.13), {{0, 0.1, 0}, 0.3, 30}},
+      {"cubes, few cells", slab_with_cubes(8, 0.1, 0.13), {{0, 0.1, 0}, 0.3, 5}},
+      {"cubes, many cells", slab_with_cubes(8, 0.1, 0.13), {{0, 0.1, 0}, 0.3, 200}},
+      {"gravel", slab_with_cubes(30, 0.02, 0.025), {{-0.1, 0.03, -0.1}, 0.2, 30}},
+      {"planks", planks(), {{0, 1.1, 0.02}, 0.3, 30}},
+      {"rods", slab_with_rods(), {{0, 0.02, 0}, 0.4, 30}},
+  };
+  for (const PartsCase& c : cases) {
+    SCOPED_TRACE(c.name);
+    const Solid solid = solid_of(c.mesh);
+    RequestParameters asked = asked_for({"", {}, 0, {c.hit}});
+    asked.physics = Physics::kNone;
+    const ExpectedAnswer expected = expected_answer(asked, solid);
+    StageTimings timings;
+    const auto diagram = make_diagram(solid, asked.fracture, {}, timings);
+    ASSERT_TRUE(diagram) << diagram.error().detail;
+    const auto made = fracture(solid, *diagram, asked.fracture, {}, timings);
+    ASSERT_TRUE(made) << made.error().detail;
+    double triangles = 0;
+    for (const Fragment& f : made->set.fragments) triangles += static_cast<double>(f.indices.size() / 3);
+    const auto parts = static_cast<double>(solid.parts.size());
+    const double fresh = static_cast<double>(made->set.fragments.size()) - parts;
+    EXPECT_TRUE(near_within(expected.fragments - parts, fresh, 2))
+        << expected.fragments - parts << " of " << fresh;
+    EXPECT_TRUE(near_within(expected.triangles, triangles, 2.5)) << expected.triangles << " of " << triangles;
+  }
+}
+
+// Small parts that touch nothing are fragments of their own, whatever number is asked for.
+TEST(EstimateOfHits, LooseSmallPartsCountAsFragments) {
+  Solid solid = solid_of(slab_with_cubes(8, 0.1, 0.13));
+  RequestParameters asked;
+  asked.fracture.sites = 50;
+  const double before = expected_answer(asked, solid).fragments;
+  keep_contacts(solid, {}, {});
+  ASSERT_TRUE(solid.contacts->contacts.empty());
+  const double loose = expected_answer(asked, solid).fragments;
+  EXPECT_GE(loose, before + 64);
+  EXPECT_LE(loose, before + 2 * 64) << "a cell is 300 times as large as a cube, so few cubes are cut";
+  asked.fracture.size.fragments = 50;
+  EXPECT_DOUBLE_EQ(expected_answer(asked, solid).fragments, 65);
 }
 
 TEST(EstimateOfHits, CountsNoPatternIfTheRestStaysWhole) {
