@@ -41,10 +41,11 @@ struct ForRequest {
   nlohmann::json estimate;
 };
 
-ForRequest for_request(const PreparedMesh& mesh, const FractureRequest& request, std::uint64_t limit) {
+ForRequest for_request(const PreparedMesh& mesh, const FractureRequest& request, const ServiceConfig& config) {
   ForRequest result;
   check_size_of_pieces(mesh, request, result.remarks, result.choices);
-  result.estimate = estimate_document(request.parameters, mesh.solid, limit);
+  result.estimate =
+      estimate_document(request.parameters, mesh.solid, config.max_bytes_per_job, config.memory_setting);
   return result;
 }
 
@@ -165,7 +166,7 @@ class Inspector {
     const auto mesh = service_.prepare(request, execution);
     if (!mesh) return refused(path, mesh.error());
     Inspected found{.exit_code = repaired((*mesh)->solid.report) ? kExitRepaired : kExitDone, .mesh = *mesh};
-    found.asked = for_request(**mesh, request, config_.max_bytes_per_job);
+    found.asked = for_request(**mesh, request, config_);
     found.report = report_of(path, **mesh, found.asked);
     return found;
   }
@@ -244,6 +245,7 @@ int inspect(const InspectOptions& options) {
   // The limits of a bake of one mesh.
   ServiceConfig config = options.service;
   config.max_bytes_per_job = options.memory > 0 ? options.memory : available_memory() / 4 * 3;
+  config.memory_setting = "--memory";
   Inspector inspector(options, config, std::move(engine));
   const bool is_one = options.inputs.size() == 1 && !bake::stands_for_many(options.inputs.front());
   if (const auto parsed = inspector.parse(); !parsed) {

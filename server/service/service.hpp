@@ -41,6 +41,7 @@ struct ServiceConfig {
   /// Memory that one computation may hold, in bytes, if its execution has no allowance; 0: no limit. Readers of meshes
   /// get a share of it.
   std::uint64_t max_bytes_per_job = 0;
+  std::string memory_setting = "--max-working";  ///< the flag that limits this memory, for error messages
   TiersConfig tiers;  ///< the cache tiers below the result cache
 };
 
