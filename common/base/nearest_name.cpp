@@ -87,4 +87,20 @@ std::vector<std::string> nearest_names(std::string_view name, std::span<const st
   return names;
 }
 
+std::string did_you_mean(std::string_view name, std::span<const std::string> known) {
+  constexpr std::size_t kMostSuggested = 3;
+  std::string text;
+  if (name.size() > 2 * kLongest) return text;
+  std::vector<std::string> near;
+  EditDistance distance(name);
+  for (const std::string& candidate : known) {
+    if (distance.at_least(candidate) > name.size() / 3 || distance.to(candidate) > name.size() / 3) continue;
+    if (std::find(near.begin(), near.end(), candidate) == near.end()) near.push_back(candidate);
+  }
+  near = nearest_names(name, near, kMostSuggested);
+  for (std::size_t k = 0; k < near.size(); ++k)
+    text += (k == 0 ? " Did you mean '" : k + 1 < near.size() ? "', '" : "' or '") + near[k];
+  return text.empty() ? text : text + "'?";
+}
+
 }  // namespace fracture

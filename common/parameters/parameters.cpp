@@ -41,7 +41,7 @@ nlohmann::json canonical(const RequestParameters& parameters, bool with_idle, co
 }
 
 /// Limits for the error response, because a request can contain thousands of errors.
-constexpr std::size_t kMostOffences = 16, kMostNames = 20;
+constexpr std::size_t kMostOffences = 16;
 
 /// Collects the errors of a request.
 class Offences {
@@ -85,14 +85,16 @@ class Offences {
 
 using Given = std::map<std::string, const RawParameter*>;
 
-/// Returns the error text. Only the first such error lists the nearest parameters.
+/// Returns the error text. Only the first such error says where all parameters are listed.
 std::string unknown_parameter(const std::vector<std::string>& known, const std::string& name, bool first) {
-  const std::optional<std::string> nearest = parameter_meant_by(name, known);
-  return "There is no parameter '" + shown(name) + "'." + (nearest || first ? " " : "") +
-         (nearest ? "Did you mean '" + *nearest + "'?" : std::string()) + (nearest && first ? " " : "") +
-         (first ? "The closest of the " + std::to_string(known.size()) + " parameters are " +
-                      join(nearest_names(name, known, kMostNames)) +
-                      "; GET /limits and `fracture-server bake --help` list all of them."
+  const std::optional<std::string> meant = parameter_meant_by(name, known);
+  const std::string near = did_you_mean(name, known);
+  // A synonym is better than names that are only spelt like it.
+  const bool synonym = meant && near.find("'" + *meant + "'") == std::string::npos;
+  return "There is no parameter '" + shown(name) + "'." +
+         (synonym ? " Did you mean '" + *meant + "'?" : near) +
+         (first ? " GET /limits and `fracture-server bake --help` list all " + std::to_string(known.size()) +
+                      " parameters."
                 : std::string());
 }
 

@@ -8,8 +8,7 @@
 namespace fracture {
 namespace {
 
-/// The parameters that set the number of cells instead of 'sites', in quotes and with "smaller" or "larger" values for more cells;
-/// empty if 'sites' sets it.
+/// The parameters that set the number of cells instead of 'sites', and how to get more cells; empty if 'sites' sets it.
 struct CellSize {
   std::string names, change;
 };
@@ -19,10 +18,10 @@ CellSize cell_size_of(const SitePattern& pattern) {
   const auto* grid = std::get_if<GridPattern>(&pattern);
   const auto* brick = std::get_if<BrickPattern>(&pattern);
   const auto* slices = std::get_if<SlicePattern>(&pattern);
-  if ((grid && grid->cell) || (brick && brick->cell)) return {"'cell'", "Use a smaller 'cell', or leave it out."};
-  if (slices && slices->spacing) return {"'spacing'", "Use a smaller 'spacing', or leave it out."};
+  if ((grid && grid->cell) || (brick && brick->cell)) return {"this 'cell'", "Use a smaller 'cell', or leave it out."};
+  if (slices && slices->spacing) return {"this 'spacing'", "Use a smaller 'spacing', or leave it out."};
   if (radial && radial->rings && radial->spokes)
-    return {"'rings' and 'spokes'", "Raise 'rings' or 'spokes', or leave one of them out."};
+    return {"these 'rings' and 'spokes'", "Raise 'rings' or 'spokes', or leave one of them out."};
   return {};
 }
 
@@ -35,7 +34,7 @@ std::string few_cells(std::uint32_t asked, std::uint64_t pieces, const FractureP
   if (std::holds_alternative<PointsPattern>(p.pattern))
     return "the cells of 'points' cut the mesh into " + came + ". Give more points inside the mesh.";
   if (const CellSize size = cell_size_of(p.pattern); !size.names.empty())
-    return size.names + " cut the mesh into " + came + ". " + size.change;
+    return "the pattern with " + size.names + " cuts the mesh into " + came + ". " + size.change;
   if (p.sites < asked)
     return "'sites' is " + grouped(p.sites) + ". Raise 'sites' to at least " + grouped(asked) +
            ", or leave it out.";

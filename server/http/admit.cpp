@@ -4,6 +4,8 @@
 #include <cmath>
 #include <stop_token>
 
+#include "common/base/printable.hpp"
+#include "common/base/words.hpp"
 #include "server/http/accept.hpp"
 #include "server/http/api.hpp"
 #include "server/http/content_coding.hpp"
@@ -36,6 +38,27 @@ std::optional<int> urgency_of(std::string_view field) {
 
 }  // namespace
 
+Problem body_too_large(const Admission& admission, std::optional<std::uint64_t> bytes) {
+  const std::string body = bytes ? "The body has " + counted(*bytes, "byte", "bytes") : "The body is too large";
+  const std::string limit = grouped(admission.max_body);
+  const Carries carries = admission.route->carries;
+  if (carries == Carries::kNothing || carries == Carries::kQuery)
+    return Problem(HttpProblem::kBodyTooLarge, body + ", but this path takes no body. Send the request without one.");
+  if (admission.max_body == kMaxSmallBody)
+    return Problem(HttpProblem::kBodyTooLarge,
+                   body + "; the limit for parameters is " + limit + " bytes. Send fewer or shorter parameters.");
+  return Problem(HttpProblem::kBodyTooLarge, body + "; the limit is " + limit +
+                                                 " bytes (--max-body). Send a smaller mesh, or raise the limit.");
+}
+
+Error Api::with_time(Error error, const Request& request) const {
+  if (error.code != ErrorCode::kDeadlineExceeded) return error;
+  if (const OrProblem<Terms> terms = terms_of(request))
+    error.detail = "The work was stopped after " + terms->allowed +
+                   ". Ask for fewer sites, send a smaller mesh, or allow more time.";
+  return error;
+}
+
 bool makes_job(Operation operation, const RequestHead& head) {
   return (operation == Operation::kPostFracture || operation == Operation::kPostMeshFracture) &&
          preferences_of(head).respond_async;
@@ -52,8 +75,9 @@ Problem Api::no_memory(const MemoryBudget::Reservation& reservation) const {
                    "does not fit. Send the request again when those requests are finished.")
         .with("Retry-After", "2");
   return Problem(ErrorCode::kOverloaded,
-                 "The requests in progress hold " + std::to_string(bodies_.whole().used()) +
-                     " bytes of the memory for bodies, so this body does not fit now.")
+                 "The requests in progress hold " + data_size(bodies_.whole().used()) +
+                     " of the memory for bodies (--max-bodies), so this body does not fit now. Try again after "
+                     "Retry-After.")
       .with("Retry-After", "2");
 }
 
@@ -82,7 +106,8 @@ OrProblem<Admission> Api::admit(Listener listener, const RequestHead& head, cons
                              : tl::unexpected<Problem>(Problem(HttpProblem::kMethodNotAllowed,
                                                                "This path supports only " + allow + ".")
                                                            .with("Allow", allow));
-    return refuse(HttpProblem::kNotImplemented, "This server does not know this method.");
+    return refuse(HttpProblem::kNotImplemented, "This server does not know the method '" + shortened(printable(head.method)) +
+                                                    "'. GET /openapi.json lists all paths and methods.");
   }
   admission.head_only = is_head;
   const Carries carries = admission.route->carries;
@@ -119,9 +144,7 @@ OrProblem<Admission> Api::admit(Listener listener, const RequestHead& head, cons
   admission.representation = *representation;
 
   if (head.content_length.value_or(0) > admission.max_body)
-    return refuse(HttpProblem::kBodyTooLarge, "The body has " + std::to_string(*head.content_length) +
-                                                  " bytes; the limit of this path is " +
-                                                  std::to_string(admission.max_body) + ".");
+    return tl::unexpected<Problem>(body_too_large(admission, head.content_length));
   if (auto problem = refuse_body(head, admission, payer)) return tl::unexpected<Problem>(std::move(*problem));
   return admission;
 }
@@ -182,16 +205,23 @@ OrProblem<Terms> Api::terms_of(const RequestHead& head, const Route& route, cons
   std::chrono::milliseconds time = job                                     ? jobs_.config().deadline
                                    : terms.priority == Priority::kRealtime ? limits_.realtime_deadline
                                                                            : limits_.deadline;
+  const char* setting = job                                     ? "--job-deadline"
+                        : terms.priority == Priority::kRealtime ? "--realtime-deadline"
+                                                                : "--deadline";
   if (const std::string given = head.field("request-timeout"); !given.empty()) {
     double seconds = 0;
     const auto [end, error] = std::from_chars(given.data(), given.data() + given.size(), seconds);
     if (error != std::errc{} || end != given.data() + given.size() || !(seconds > 0) || seconds > 86400)
       return tl::unexpected<Problem>(
           to_problem({ErrorCode::kBadParameter,
-                      "Request-Timeout must be a number of seconds, greater than 0 and at most 86400.",
+                      "Request-Timeout must be a number of seconds above 0, and at most 86,400; it was '" +
+                          shortened(printable(given)) + "'.",
                       "Request-Timeout"}));
-    time = std::min(time, std::chrono::milliseconds(static_cast<std::int64_t>(std::ceil(seconds * 1000))));
+    const std::chrono::milliseconds own(static_cast<std::int64_t>(std::ceil(seconds * 1000)));
+    if (own < time) setting = "the request's Request-Timeout";
+    time = std::min(time, own);
   }
+  terms.allowed = short_number(static_cast<double>(time.count()) / 1000) + " s (" + setting + ")";
   terms.deadline = received + time;
   return terms;
 }

@@ -116,9 +116,8 @@ Error to_error(const Interrupted& interrupted) {
   if (interrupted.error) return *interrupted.error;
   return {interrupted.code,
           interrupted.code == ErrorCode::kDeadlineExceeded
-              ? "The work was stopped because its deadline passed: the server's --deadline or "
-                "--realtime-deadline, or the Request-Timeout of the request. Ask for fewer sites, send a "
-                "smaller mesh, or allow more time."
+              ? "The work was stopped because its deadline passed. Ask for fewer sites, send a smaller mesh, or allow "
+                "more time."
               : "The work was cancelled before it was done."};
 }
 

@@ -169,7 +169,7 @@ TEST(FragmentNumber, TheReasonForFewerIsOneCause) {
   EXPECT_TRUE(warns(kept.report, "because 'keep_center' and 'keep_radius' contain the whole mesh. Make the region smaller."));
   EXPECT_FALSE(warns(kept.report, "'sites'"));
   p = asking_for(40, GridPattern{.cell = Vec3d{0.5, 0.5, 0.5}});
-  EXPECT_TRUE(warns(fracture_mesh(cube(), p).report, "because 'cell' cut the mesh into"));
+  EXPECT_TRUE(warns(fracture_mesh(cube(), p).report, "because the pattern with this 'cell' cuts the mesh into 8 pieces. Use a smaller"));
 }
 
 // The sites are cached under a key that includes the number of fragments but no other size limit.

@@ -272,6 +272,8 @@ TEST(Http, TheDeadlineEndsTheWork) {
   const Reply reply = server.post("/fracture");
   EXPECT_EQ(reply.status, 504);
   EXPECT_EQ(reply.problem(), "deadline-exceeded");
+  EXPECT_NE(reply.json().at("detail").get<std::string>().find("after 0.05 s (--deadline)"), std::string::npos)
+      << reply.body;
 }
 
 }  // namespace
