@@ -27,8 +27,9 @@ void add_remarks(SolidReport& report, const HollowOptions& options, std::uint64_
   const std::uint64_t solid = asked - hollow;
   const bool by_material = options.least_ball > 0;
   if (by_material && hollow > 0)
-    report.remarks.note(counted(hollow, "closed part large enough for", "closed parts large enough for") +
-                        " a ball of size 'shell_ball' became hollow. shell=0 keeps " +
+    report.remarks.note(counted(hollow, "closed part", "closed parts") +
+                        " became hollow, because a ball of the diameter 'shell_ball' fits inside " +
+                        (hollow == 1 ? "it" : "each of them") + ". Use shell=0 to keep " +
                         (hollow == 1 ? "it" : "them") + " solid.");
   if (solid > 0) {
     const std::string what =

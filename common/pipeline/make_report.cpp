@@ -183,7 +183,7 @@ void report_roughness(const FractureParameters& p, const CutCells& cut, Report& 
     cuts.amplitude = 0;
     remarks.warn(
         "The cuts are flat, because too many triangles of rough cuts would cross each other: pieces are much "
-        "longer than wide, or smaller than the amplitude. Ask for fewer sites, or for a smaller "
+        "longer than they are wide, or smaller than the amplitude. Ask for fewer sites, or for a smaller "
         "'rough_amplitude' or 'rough_frequency'.");
     return;
   }
