@@ -81,7 +81,7 @@ void judge_tiers(const ServeOptions& o, const std::function<void(std::string)>& 
     if (const auto tls = RedisTls::load(redis.tls); !tls) refuse("redis-tls: " + tls.error().detail);
   if (!o.farm_key_file.empty())
     if (const auto keys = FarmKeys::load(o.farm_key_file); !keys)
-      refuse("farm-key-file " + keys.error().detail);
+      refuse("--farm-key-file " + keys.error().detail);
   if (tiers.sign_disk && o.farm_key_file.empty()) refuse("sign-disk-cache needs a farm-key-file");
 }
 
@@ -321,7 +321,7 @@ std::vector<std::string> inconsistencies(const ServeOptions& o) {
       refuse("allow-host must be '*' or a name without port; it was '" + name + "'");
   if (!o.token_file.empty())
     if (const auto tokens = tenants::TokenFile::load(o.token_file); !tokens)
-      refuse("token-file " + tokens.error().detail);
+      refuse("--token-file " + tokens.error().detail);
   return errors;
 }
 
@@ -366,7 +366,7 @@ std::vector<std::string> configure(ServeOptions& options, const std::vector<Sett
     if (auto keys = FarmKeys::load(options.farm_key_file))
       tiers.keys = std::move(*keys);
     else  // the file has changed since it was checked
-      errors.push_back("farm-key-file " + keys.error().detail);
+      errors.push_back("--farm-key-file " + keys.error().detail);
   }
   if (!tiers.folder.empty() && options.jobs.max_disk_bytes > 0) options.jobs.folder = tiers.folder + "/jobs";
   if (tiers.sign_disk) options.jobs.keys = tiers.keys;

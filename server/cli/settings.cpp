@@ -4,10 +4,12 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 #include "common/base/nearest_name.hpp"
 #include "common/base/text.hpp"
+#include "common/base/words.hpp"
 
 namespace fracture::cli {
 namespace {
@@ -63,6 +65,15 @@ std::string nearest_setting(const std::string& name, std::span<const Setting> se
   return nearest ? "; did you mean " + *nearest + "?" : "";
 }
 
+/// Returns "1MiB", or "1,000 bytes" for a number that no unit divides.
+std::string size_with_unit(std::uint64_t bytes) {
+  constexpr const char* kUnits[] = {"KiB", "MiB", "GiB", "TiB", "PiB"};
+  if (bytes == 0 || bytes % 1024 != 0) return counted(bytes, "byte", "bytes");
+  std::size_t unit = 0;
+  for (bytes /= 1024; bytes % 1024 == 0 && unit + 1 < std::size(kUnits); ++unit) bytes /= 1024;
+  return grouped(bytes) + kUnits[unit];
+}
+
 /// Returns whether the value is a number in JSON and TOML syntax.
 bool is_plain_number(const std::string& value) {
   return nlohmann::json::parse(value, nullptr, /*allow_exceptions=*/false).is_number();
@@ -96,8 +107,8 @@ std::optional<std::uint64_t> detail::parse_number(const std::string& text, bool 
 }
 
 std::string detail::requirement(bool bytes, std::uint64_t low, std::uint64_t high) {
-  return "must be a whole number from " + std::to_string(low) + " to " + std::to_string(high) +
-         (bytes ? " (or with a unit, such as 64MiB)" : "");
+  if (bytes) return "must be from " + size_with_unit(low) + " to " + size_with_unit(high) + ", such as 64MiB";
+  return "must be a whole number from " + grouped(low) + " to " + grouped(high);
 }
 
 Setting seconds(std::string name, std::chrono::milliseconds& target, std::string doc) {
@@ -106,7 +117,7 @@ Setting seconds(std::string name, std::chrono::milliseconds& target, std::string
     double value = 0;
     const auto [end, error] = std::from_chars(given.data(), given.data() + given.size(), value);
     if (error != std::errc() || end != given.data() + given.size() || !(value >= 0) || value > 86400)
-      return "must be a number of seconds from 0 to 86400";
+      return "must be a number of seconds from 0 to 86,400";
     target = std::chrono::milliseconds(std::llround(value * 1000));
     return std::nullopt;
   };

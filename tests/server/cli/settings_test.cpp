@@ -194,7 +194,8 @@ TEST_F(Settings, TokenFilesAreReadStrictly) {
   EXPECT_EQ(tenants::TokenFile::parse("# studio\nana 0123456789abcdef\n\nbob 0123456789abcdeg read-only\r\n")
                 ->size(),
             2u);
-  EXPECT_THAT(configured({{"token-file", {"/absent/tokens", ""}}}), ElementsAre(HasSubstr("cannot be read")));
+  EXPECT_THAT(configured({{"token-file", {"/absent/tokens", ""}}}), 
+              ElementsAre(HasSubstr("--token-file '/absent/tokens' cannot be read: No such file")));
 }
 
 TEST_F(Settings, RedisAndItsSignaturesAreJudgedTogether) {
