@@ -288,8 +288,7 @@ void add_inspect(CLI::App& app, InspectOptions& o) {
          "input", o.inputs,
          "Mesh files, folders (with their subfolders), or globs in quotes; - is standard input. For one file: a "
          "report. Otherwise: a line for each mesh, and a summary by cause")
-      ->type_name("")
-      ->required();
+      ->type_name("");
   app.add_flag(
       "--json", o.json,
       "Print the report as JSON; of several meshes, one line for each, then a line with the summary");

@@ -207,7 +207,7 @@ TEST_F(BakeProgram, ResultsInTheFolderOfTheMeshesAreNotBakedAgain) {
   const auto first = outputs(folder / "in");
   ASSERT_EQ(shell("$f bake in -o in --sites 5 --allow-refused 1"), 0) << err;
   EXPECT_THAT(err, HasSubstr("skipped 3 results of earlier bakes"));
-  EXPECT_THAT(out, AllOf(HasSubstr("3 kept"), HasSubstr("of 4 jobs")));
+  EXPECT_THAT(out, AllOf(HasSubstr("4 jobs in "), HasSubstr("3 kept"), Not(HasSubstr("//"))));
   EXPECT_EQ(outputs(folder / "in"), first);
   fs::remove(folder / "in/bake.ndjson");
   ASSERT_EQ(shell("$f bake in -o elsewhere --sites 5 --allow-refused 1"), 0) << err;
