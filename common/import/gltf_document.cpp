@@ -296,8 +296,10 @@ json parse(std::string_view text, const ImportLimits& limits) {
     std::string beginning;
     for (const char c : text.substr(0, 16)) beginning += c >= 0x20 && c < 0x7f ? c : '.';
     refuse(ErrorCode::kMalformedMesh,
-           "The JSON of the glTF is not valid at byte " + std::to_string(error.byte) +
-               "; the JSON begins with \"" + beginning + "\".",
+           (error.byte > text.size()
+                ? "The JSON of the glTF ends at byte " + grouped(error.byte) + ", before it is complete"
+                : "The JSON of the glTF is not valid at byte " + grouped(error.byte)) +
+               "; the JSON begins with \"" + beginning + "\". Copy, download or export the file again.",
            {}, {{"byte", error.byte}});
   }
 }

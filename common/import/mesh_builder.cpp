@@ -135,7 +135,7 @@ void MeshBuilder::pad_to(std::size_t size) {
 }
 
 Expected<Mesh> MeshBuilder::finish() {
-  if (mesh_.triangles.empty()) return fail(ErrorCode::kEmptyMesh, "The file has no triangles.");
+  if (mesh_.triangles.empty()) return fail(ErrorCode::kEmptyMesh, "The file has no triangles. Export a mesh with faces.");
   if (mesh_.groups.empty()) mesh_.group_of_node.clear();
   if (!mesh_.node_extras.empty()) mesh_.node_extras.resize(mesh_.node_names.size());
   pad_to(mesh_.positions.size());

@@ -42,7 +42,8 @@ Expected<GlbChunks> split_glb(std::span<const std::byte> bytes) {
     return fail(ErrorCode::kMalformedMesh,
                 "This is not a GLB file: it has to begin with \"glTF\" but begins with " +
                     beginning_of(bytes) + "." +
-                    (json ? " It looks like JSON: send it as format gltf (model/gltf+json)." : ""));
+                    (json ? " It looks like JSON: send it as format gltf (model/gltf+json)."
+                          : " Name the file's real format, or export it again."));
   }
   if (bytes.size() < 20)
     return fail(ErrorCode::kMalformedMesh, "The GLB is incomplete: it has " +
@@ -109,8 +110,9 @@ Expected<void> check_magic(std::span<const std::byte> bytes, MeshFormat format) 
   const std::string_view text = as_text(bytes);
   const auto begins = [&](std::string_view magic) { return text.substr(0, magic.size()) == magic; };
   const auto refuse = [&](const char* name, const char* expected) {
-    return fail(ErrorCode::kMalformedMesh, std::string("This is not a ") + name + " file: expected " +
-                                               expected + ", found " + beginning_of(bytes) + ".");
+    return fail(ErrorCode::kMalformedMesh,
+                "This file does not have the format " + std::string(name) + ": it should have " + expected +
+                    ", but begins with " + beginning_of(bytes) + ". Name the file's real format, or export it again.");
   };
   switch (format) {
     case MeshFormat::kBlend:

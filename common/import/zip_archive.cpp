@@ -94,7 +94,7 @@ Expected<std::vector<ZipEntry>> read_zip_directory(std::span<const std::byte> ar
     return fail(
         ErrorCode::kMalformedMesh,
         "This is not a complete ZIP archive, which this format requires: it has to begin with \"PK\" and "
-        "end with its directory.");
+        "end with its directory. Copy, download or export the file again.");
   std::vector<ZipEntry> entries;
   std::uint64_t at = directory->at, decoded = 0;
   for (std::uint64_t k = 0; k < directory->entries; ++k) {

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "common/base/nearest_name.hpp"
+#include "common/base/words.hpp"
 #include "common/parameters/parameter_object.hpp"
 #include "server/cli/memory_plan.hpp"
 #include "server/http/auth.hpp"
@@ -280,14 +281,15 @@ std::vector<std::string> inconsistencies(const ServeOptions& o) {
         "--insecure-bind if a proxy or a firewall in front of the server controls access");
 
   const http::HttpLimits& l = o.limits;
-  const auto at_most = [&](const char* small, std::uint64_t a, const char* large, std::uint64_t b) {
+  const auto at_most = [&](const char* small, std::uint64_t a, const char* large, std::uint64_t b,
+                           const std::function<std::string(std::uint64_t)>& in_words) {
     if (a > b)
-      refuse(std::string(small) + " (" + std::to_string(a) + ") is over " + large + " (" + std::to_string(b) +
+      refuse(std::string(small) + " (" + in_words(a) + ") is over " + large + " (" + in_words(b) +
              "), so it could never be reached: lower the first or raise the second");
   };
-  at_most("max-uri", l.max_uri, "max-header", l.max_header);
-  at_most("max-body", l.max_body, "max-bodies", l.max_bodies);
-  at_most("max-connections-per-address", l.max_connections_per_address, "max-connections", l.max_connections);
+  at_most("max-uri", l.max_uri, "max-header", l.max_header, detail::size_with_unit);
+  at_most("max-body", l.max_body, "max-bodies", l.max_bodies, detail::size_with_unit);
+  at_most("max-connections-per-address", l.max_connections_per_address, "max-connections", l.max_connections, grouped);
   const std::pair<const char*, std::chrono::milliseconds> positive[] = {
       {"deadline", l.deadline},
       {"realtime-deadline", l.realtime_deadline},

@@ -1,9 +1,13 @@
 #include "server/cli/settings.hpp"
 
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cerrno>
 #include <charconv>
 #include <cmath>
+#include <cstring>
 #include <iterator>
 #include <utility>
 
@@ -41,6 +45,14 @@ std::vector<std::string> split(const std::string& text) {
   return items;
 }
 
+/// Returns "debug, info or warn".
+std::string either(const std::vector<std::string>& choices) {
+  std::string text;
+  for (std::size_t k = 0; k < choices.size(); ++k)
+    text += (k == 0 ? "" : k + 1 < choices.size() ? ", " : " or ") + choices[k];
+  return text;
+}
+
 /// Returns " (nearest: warn)"; empty if no choice is similar.
 std::string nearest_of(const std::string& given, const std::vector<std::string>& choices) {
   const std::optional<std::string> nearest = nearest_name(given, choices);
@@ -63,15 +75,6 @@ std::string nearest_setting(const std::string& name, std::span<const Setting> se
   for (const Setting& setting : settings) names.push_back(setting.name);
   const std::optional<std::string> nearest = nearest_name(name, names);
   return nearest ? "; did you mean " + *nearest + "?" : "";
-}
-
-/// Returns "1MiB", or "1,000 bytes" for a number that no unit divides.
-std::string size_with_unit(std::uint64_t bytes) {
-  constexpr const char* kUnits[] = {"KiB", "MiB", "GiB", "TiB", "PiB"};
-  if (bytes == 0 || bytes % 1024 != 0) return counted(bytes, "byte", "bytes");
-  std::size_t unit = 0;
-  for (bytes /= 1024; bytes % 1024 == 0 && unit + 1 < std::size(kUnits); ++unit) bytes /= 1024;
-  return grouped(bytes) + kUnits[unit];
 }
 
 /// Returns whether the value is a number in JSON and TOML syntax.
@@ -104,6 +107,14 @@ std::optional<std::uint64_t> detail::parse_number(const std::string& text, bool 
     number <<= shift;
   }
   return understood && number >= low && number <= high ? std::optional(number) : std::nullopt;
+}
+
+std::string detail::size_with_unit(std::uint64_t bytes) {
+  constexpr const char* kUnits[] = {"KiB", "MiB", "GiB", "TiB", "PiB"};
+  if (bytes == 0 || bytes % 1024 != 0) return counted(bytes, "byte", "bytes");
+  std::size_t unit = 0;
+  for (bytes /= 1024; bytes % 1024 == 0 && unit + 1 < std::size(kUnits); ++unit) bytes /= 1024;
+  return grouped(bytes) + kUnits[unit];
 }
 
 std::string detail::requirement(bool bytes, std::uint64_t low, std::uint64_t high) {
@@ -146,7 +157,7 @@ Setting choice(std::string name, std::string& target, std::vector<std::string> c
   setting.set = [&target,
                  choices = std::move(choices)](const std::string& given) -> std::optional<std::string> {
     if (std::find(choices.begin(), choices.end(), given) == choices.end())
-      return "must be one of " + join(choices) + nearest_of(given, choices);
+      return "must be " + either(choices) + nearest_of(given, choices);
     target = given;
     return std::nullopt;
   };
@@ -199,7 +210,9 @@ GivenSettings from_file(const std::string& path, std::span<const Setting> settin
   try {
     items = CLI::ConfigTOML().from_file(path);
   } catch (const CLI::Error& e) {
-    errors.push_back("--config " + path + ": " + e.what());
+    const int missing = ::access(path.c_str(), R_OK) == 0 ? 0 : errno;
+    errors.push_back("--config '" + path + "' " +
+                     (missing != 0 ? std::string("cannot be read: ") + std::strerror(missing) : "is wrong: " + std::string(e.what())));
     return given;
   }
   for (const CLI::ConfigItem& item : items) {

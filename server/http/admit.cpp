@@ -38,6 +38,19 @@ std::optional<int> urgency_of(std::string_view field) {
 
 }  // namespace
 
+/// Says if the path is on the other listener.
+Problem no_path(Listener listener, const std::string& path) {
+  const std::string what = "There is no path '" + printable(path.substr(0, 100)) + "'";
+  const bool elsewhere = std::any_of(routes().begin(), routes().end(), [&](const Route& route) {
+    return route.listener != listener && match(route, path).has_value();
+  });
+  if (elsewhere)
+    return Problem(HttpProblem::kNotFound,
+                   what + (listener == Listener::kPublic ? " on the public port. Ask the admin port (--admin-port)."
+                                                         : " on the admin port. Ask the public port (--port)."));
+  return Problem(HttpProblem::kNotFound, what + ". GET /openapi.json lists all paths.");
+}
+
 Problem body_too_large(const Admission& admission, std::optional<std::uint64_t> bytes) {
   const std::string body = bytes ? "The body has " + counted(*bytes, "byte", "bytes") : "The body is too large";
   const std::string limit = grouped(admission.max_body);
@@ -100,9 +113,7 @@ OrProblem<Admission> Api::admit(Listener listener, const RequestHead& head, cons
     for (const std::string_view known :
          {"GET", "HEAD", "POST", "PUT", "DELETE", "PATCH", "OPTIONS", "TRACE", "CONNECT"})
       if (head.method == known)
-        return allow.empty() ? tl::unexpected<Problem>(Problem(
-                                   HttpProblem::kNotFound, "There is no path '" + head.path.substr(0, 100) +
-                                                               "'. GET /openapi.json lists all paths."))
+        return allow.empty() ? tl::unexpected<Problem>(no_path(listener, head.path))
                              : tl::unexpected<Problem>(Problem(HttpProblem::kMethodNotAllowed,
                                                                "This path supports only " + allow + ".")
                                                            .with("Allow", allow));
@@ -118,7 +129,7 @@ OrProblem<Admission> Api::admit(Listener listener, const RequestHead& head, cons
                                                                                   : limits_.max_body;
 
   auto query = parse_query(head.query);
-  if (!query) return refuse(HttpProblem::kMalformedRequest, "The query has a malformed percent escape.");
+  if (!query) return refuse(HttpProblem::kMalformedRequest, "The query has a malformed percent escape. Two hex digits must follow '%'; write %25 for a percent sign.");
   admission.query = std::move(*query);
   if (carries == Carries::kQuery) {
     // The handler checks the query itself.
@@ -241,7 +252,8 @@ std::optional<Problem> Api::refuse_media_type(const RequestHead& head, const Adm
   if (type == "multipart/form-data") {
     if (multipart_boundary(content_type)) return std::nullopt;
     return Problem(HttpProblem::kMalformedMultipart,
-                   "The Content-Type has no valid boundary for the parts of the form.");
+                   "The Content-Type has no valid boundary for the parts of the form. HTTP libraries add it if you leave "
+                   "Content-Type out.");
   }
   for (const auto& [name, value] : admission.query)
     if (name == "format") return std::nullopt;
