@@ -131,7 +131,8 @@ tl::expected<JsonDocument, JsonFault> read_json(std::string_view text, const Jso
   Builder builder(limits);
   const bool whole = json::sax_parse(text.begin(), text.end(), &builder);
   auto read = std::move(builder).take(whole);
-  if (!read && read.error().kind == JsonFault::Kind::kSyntax) read.error().at_end = read.error().byte > text.size();
+  if (!read && read.error().kind == JsonFault::Kind::kSyntax)
+    read.error().at_end = read.error().byte > text.size();
   return read;
 }
 

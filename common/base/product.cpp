@@ -25,7 +25,8 @@ Refusal refusal_of(Allowance::Answer answer, const std::string& limit) {
       return {ErrorCode::kTooComplex, "; the limit for one computation is " + limit, kAdviceForFewerProducts};
     case Allowance::Answer::kOverShare:
       return {ErrorCode::kOverShare,
-              "; the limit is " + limit + " for all computations of one client, and this client's others use the rest",
+              "; the limit is " + limit +
+                  " for all computations of one client, and this client's others use the rest",
               "Send the request again when one of them has finished."};
     default:
       return {ErrorCode::kOutOfMemory, ", but other computations are using too much memory now",

@@ -146,9 +146,10 @@ Expected<ReusedMaterial> reused_material(const std::string& wanted, bool keep_te
     else if (count == 1)
       detail += "; its only material is '" + known[0].get<std::string>() + "'.";
     else
-      detail += "." + printable(did_you_mean(wanted, known.get<std::vector<std::string>>())) + " Use one of its " +
-                grouped(count) + " materials, which 'known' lists.";
-    return fail(ErrorCode::kBadParameter, std::move(detail), "interior_material", {{"known", std::move(known)}});
+      detail += "." + printable(did_you_mean(wanted, known.get<std::vector<std::string>>())) +
+                " Use one of its " + grouped(count) + " materials, which 'known' lists.";
+    return fail(ErrorCode::kBadParameter, std::move(detail), "interior_material",
+                {{"known", std::move(known)}});
   }
   const BaseColor own = base_color(*mesh.library, slot);
   Pacer pacer(execution);

@@ -22,9 +22,8 @@ tl::unexpected<Error> too_large(std::uint64_t max_bytes) {
                                         ", which is the limit. " + kSmallerMesh);
 }
 tl::unexpected<Error> damaged(std::size_t good) {
-  return fail(ErrorCode::kMalformedMesh,
-              "The compressed file is damaged, or ends early, after " + counted(good, "byte", "bytes") +
-                  ". Save or send it again.");
+  return fail(ErrorCode::kMalformedMesh, "The compressed file is damaged, or ends early, after " +
+                                             counted(good, "byte", "bytes") + ". Save or send it again.");
 }
 
 }  // namespace
@@ -44,7 +43,8 @@ namespace {
 Expected<std::vector<std::byte>> inflate_stream(std::span<const std::byte> bytes, std::uint64_t max_bytes,
                                                 int window_bits) {
   if (bytes.size() > std::numeric_limits<uInt>::max())
-    return fail(ErrorCode::kTooLarge, "The compressed file is larger than 4 GiB, which is the limit. " + std::string(kSmallerMesh));
+    return fail(ErrorCode::kTooLarge,
+                "The compressed file is larger than 4 GiB, which is the limit. " + std::string(kSmallerMesh));
   z_stream stream{};
   stream.next_in = reinterpret_cast<Bytef*>(const_cast<std::byte*>(bytes.data()));  // not written by zlib
   stream.avail_in = static_cast<uInt>(bytes.size());

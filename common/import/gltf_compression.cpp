@@ -157,7 +157,8 @@ std::vector<std::uint8_t> decode_meshopt(const json& extension, std::span<const 
   if (stride == 0 || stride > 256 || count == 0 || count > limits.max_decoded_bytes / stride)
     refuse(ErrorCode::kTooLarge,
            "The compressed view declares " + counted(count, "element", "elements") + " of " +
-               std::to_string(stride) + " bytes; it must have at least one element of 1 to 256 bytes, and at most " +
+               std::to_string(stride) +
+               " bytes; it must have at least one element of 1 to 256 bytes, and at most " +
                decoded_limit(limits.max_decoded_bytes) + ". Export the file again.",
            pointer);
   std::vector<std::uint8_t> out(count * stride);

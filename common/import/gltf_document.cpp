@@ -254,7 +254,8 @@ void check_accessors(const json& document, const ImportLimits& limits) {
     if (count > limits.max_decoded_bytes / element)
       refuse(ErrorCode::kTooLarge,
              "The accessor declares " + grouped(count) + " elements of " + std::to_string(element) +
-                 " bytes; the limit for a mesh is " + decoded_limit(limits.max_decoded_bytes) + ". " + kSmallerMesh,
+                 " bytes; the limit for a mesh is " + decoded_limit(limits.max_decoded_bytes) + ". " +
+                 kSmallerMesh,
              pointer + "/count", {{"count", count}});
     if (accessor.contains("bufferView"))
       check_range(document, unsigned_at(accessor, "bufferView", kRequired, pointer),

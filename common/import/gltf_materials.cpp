@@ -74,7 +74,8 @@ void bound(MaterialLibrary& library, Remarks& remarks) {
   for (json* list : lists) drop_extras(*list);
   if (const std::size_t bytes = held(); bytes > kMaxLibraryBytes)
     refuse(ErrorCode::kTooLarge,
-           "The materials take " + data_size(bytes) + " in memory; the limit is " + data_size(kMaxLibraryBytes) +
+           "The materials take " + data_size(bytes) + " in memory; the limit is " +
+               data_size(kMaxLibraryBytes) +
                ". Remove materials that nothing uses, or merge materials that look the same.",
            "/materials", {{"bytes", bytes}, {"limit", kMaxLibraryBytes}});
   remarks.warn(

@@ -96,7 +96,8 @@ Expected<void> MeshBuilder::add(Surface surface) {
   if (bytes_ > limits_.max_decoded_bytes || before + count >= kNoIndex)
     return fail(ErrorCode::kTooLarge,
                 "With \"" + shortened(mesh_.node_names.back()) + "\", the scene takes " + data_size(bytes_) +
-                    " in memory; the limit is " + decoded_limit(limits_.max_decoded_bytes) + ". " + kSmallerMesh,
+                    " in memory; the limit is " + decoded_limit(limits_.max_decoded_bytes) + ". " +
+                    kSmallerMesh,
                 {}, {{"limit", limits_.max_decoded_bytes}});
 
   mesh_.positions.insert(mesh_.positions.end(), surface.positions.begin(), surface.positions.end());
@@ -135,7 +136,8 @@ void MeshBuilder::pad_to(std::size_t size) {
 }
 
 Expected<Mesh> MeshBuilder::finish() {
-  if (mesh_.triangles.empty()) return fail(ErrorCode::kEmptyMesh, "The file has no triangles. Export a mesh with faces.");
+  if (mesh_.triangles.empty())
+    return fail(ErrorCode::kEmptyMesh, "The file has no triangles. Export a mesh with faces.");
   if (mesh_.groups.empty()) mesh_.group_of_node.clear();
   if (!mesh_.node_extras.empty()) mesh_.node_extras.resize(mesh_.node_names.size());
   pad_to(mesh_.positions.size());

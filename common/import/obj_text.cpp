@@ -128,8 +128,8 @@ class ObjTextReader {
     bytes_ += bytes;
     if (bytes_ <= limits_.max_decoded_bytes) return;
     refuse(ErrorCode::kTooLarge,
-           "Up to line " + grouped(line_) + ", the OBJ takes " + data_size(bytes_) + " in memory; the limit is " +
-               decoded_limit(limits_.max_decoded_bytes) + ". " + kSmallerMesh,
+           "Up to line " + grouped(line_) + ", the OBJ takes " + data_size(bytes_) +
+               " in memory; the limit is " + decoded_limit(limits_.max_decoded_bytes) + ". " + kSmallerMesh,
            {}, {{"line", line_}, {"limit", limits_.max_decoded_bytes}});
   }
 

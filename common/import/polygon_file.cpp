@@ -198,7 +198,8 @@ void limit_vertices(std::uint64_t vertices, std::uint64_t bytes, const ImportLim
   if (vertices < kNoIndex && vertices <= limits.max_decoded_bytes / bytes) return;
   refuse(ErrorCode::kTooLarge,
          "The file declares " + grouped(vertices) + " vertices of " + std::to_string(bytes) +
-             " bytes; the limit for a mesh is " + decoded_limit(limits.max_decoded_bytes) + ". " + kSmallerMesh,
+             " bytes; the limit for a mesh is " + decoded_limit(limits.max_decoded_bytes) + ". " +
+             kSmallerMesh,
          {}, {{"limit", limits.max_decoded_bytes}});
 }
 

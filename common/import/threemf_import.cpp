@@ -183,8 +183,8 @@ class Materials {
     held_ += json_bytes(made);
     if (held_ > kMaxLibraryBytes)
       refuse(ErrorCode::kTooLarge,
-             "The materials and colours of the 3MF package take more than " +
-                 data_size(kMaxLibraryBytes) + " in memory, which is the limit. Export the file with fewer colours.",
+             "The materials and colours of the 3MF package take more than " + data_size(kMaxLibraryBytes) +
+                 " in memory, which is the limit. Export the file with fewer colours.",
              {}, {{"limit", kMaxLibraryBytes}});
     library_.materials.push_back(std::move(made));
     return slots_[key] = static_cast<std::uint32_t>(library_.materials.size() - 1);

@@ -45,7 +45,7 @@ void shorten_dropped(std::vector<Dropped>& list) {
   for (Kind& kind : kinds) {
     const std::string what = kind.listed.front().what;
     for (Dropped& entry : kind.listed) list.push_back(std::move(entry));
-    if (kind.further > 0) 
+    if (kind.further > 0)
       list.push_back({what, {}, counted(kind.further, "more is", "more are") + std::string(kNotListed)});
   }
 }

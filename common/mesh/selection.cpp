@@ -15,8 +15,8 @@ namespace {
 constexpr std::size_t kListedNames = 50;  // maximum number in an error message
 
 /// The error for an entry that selects nothing. `count`: of the nodes or materials, `names`: each of their names once.
-tl::unexpected<Error> no_such(const std::string& entry, const char* parameter, const char* one, std::size_t count,
-                              const std::vector<std::string>& names) {
+tl::unexpected<Error> no_such(const std::string& entry, const char* parameter, const char* one,
+                              std::size_t count, const std::vector<std::string>& names) {
   std::string detail = std::string("'") + parameter + "': this mesh has no " + one + " named '" +
                        shortened(printable(entry)) + "', and no name matches it as a pattern.";
   if (count == 0) {

@@ -28,8 +28,8 @@ Expected<std::vector<RawParameter>> read_parameters(std::string_view text, std::
   const std::string subject = "The " + std::string(what);
   if (text.size() > kOfRequest.text)
     return fail(ErrorCode::kBadJson,
-                subject + " has " + counted(text.size(), "byte", "bytes") + "; the limit is " + grouped(kOfRequest.text) +
-                    ". Give fewer or shorter parameters.",
+                subject + " has " + counted(text.size(), "byte", "bytes") + "; the limit is " +
+                    grouped(kOfRequest.text) + ". Give fewer or shorter parameters.",
                 "params");
   auto read = read_json(text, {.depth = kParameterDepth, .bytes = kOfRequest.held});
   if (!read && read.error().kind == JsonFault::Kind::kRepeated)

@@ -184,7 +184,8 @@ std::string choices_in_words(const std::vector<std::string>& choices) {
   if (choices.size() <= kMostListed) return join(choices);
   std::string first;
   for (std::size_t k = 0; k < kShown; ++k) first += choices[k] + ", ";
-  return first + "or another of the " + grouped(choices.size()) + " values that GET /limits and `--help` list";
+  return first + "or another of the " + grouped(choices.size()) +
+         " values that GET /limits and `--help` list";
 }
 
 }  // namespace
@@ -231,7 +232,8 @@ std::string expectation(const ParameterSpec& spec) {
     case ParameterSpec::Type::kInteger:
       return "a whole number from " + grouped(spec.min) + " to " + grouped(spec.max);
     case ParameterSpec::Type::kIntegers:
-      return "whole numbers from " + grouped(spec.min) + " to " + grouped(spec.max) + ", as text a,b,c or as JSON [a, b, c]";
+      return "whole numbers from " + grouped(spec.min) + " to " + grouped(spec.max) +
+             ", as text a,b,c or as JSON [a, b, c]";
     case ParameterSpec::Type::kNumber:
       return "a number " + range;
     case ParameterSpec::Type::kNumbers:
@@ -277,7 +279,8 @@ Expected<ParameterValue> to_value(const ParameterSpec& spec, const RawParameter&
   else if (std::optional<ParameterValue> scalar = to_scalar(spec, raw))
     value = std::move(*scalar);
   else
-    return wrong("be " + (spec.type == ParameterSpec::Type::kChoice ? choices_in_words(spec.choices) : expectation(spec)));
+    return wrong("be " + (spec.type == ParameterSpec::Type::kChoice ? choices_in_words(spec.choices)
+                                                                    : expectation(spec)));
   if (!value) return value;
   // A direction must have a length by which it can be divided.
   if (spec.type == ParameterSpec::Type::kDirection && !(length(std::get<Vec3d>(*value)) > 1e-9))

@@ -83,8 +83,9 @@ Expected<SitePlan> plan_enough_sites(const SeenSolid& solid, const FractureParam
     more.sites = std::max(wanted, std::min(kMaxPatternSites, 2 * wanted));
     if (more.sites > parameters.most_sites)
       return fail(ErrorCode::kTooComplex,
-                  "For " + counted(wanted, "fragment", "fragments") + ", this pattern needs " + grouped(more.sites) +
-                      " sites; " + site_limit(parameters.most_sites) + ". Ask for fewer fragments.",
+                  "For " + counted(wanted, "fragment", "fragments") + ", this pattern needs " +
+                      grouped(more.sites) + " sites; " + site_limit(parameters.most_sites) +
+                      ". Ask for fewer fragments.",
                   "fragments");
   }
   std::optional<KeptSpace> kept;

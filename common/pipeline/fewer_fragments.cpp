@@ -18,7 +18,8 @@ CellSize cell_size_of(const SitePattern& pattern) {
   const auto* grid = std::get_if<GridPattern>(&pattern);
   const auto* brick = std::get_if<BrickPattern>(&pattern);
   const auto* slices = std::get_if<SlicePattern>(&pattern);
-  if ((grid && grid->cell) || (brick && brick->cell)) return {"this 'cell'", "Use a smaller 'cell', or leave it out."};
+  if ((grid && grid->cell) || (brick && brick->cell))
+    return {"this 'cell'", "Use a smaller 'cell', or leave it out."};
   if (slices && slices->spacing) return {"this 'spacing'", "Use a smaller 'spacing', or leave it out."};
   if (radial && radial->rings && radial->spokes)
     return {"these 'rings' and 'spokes'", "Raise 'rings' or 'spokes', or leave one of them out."};
@@ -26,7 +27,8 @@ CellSize cell_size_of(const SitePattern& pattern) {
 }
 
 /// The pattern has too few cells, of which `pieces` came.
-std::string few_cells(std::uint32_t asked, std::uint64_t pieces, const FractureParameters& p, bool instances) {
+std::string few_cells(std::uint32_t asked, std::uint64_t pieces, const FractureParameters& p,
+                      bool instances) {
   if (const auto* points = std::get_if<PointsPattern>(&p.pattern); points && points->points.size() < asked)
     return "'points' has " + counted(points->points.size(), "point", "points") + ". Give at least " +
            grouped(asked) + ".";
@@ -65,10 +67,12 @@ std::string names_of(const SizeLimits& size) {
 std::string why_fewer(std::uint32_t asked, const FractureParameters& parameters, double kept_share,
                       bool instances, const FragmentSet& set) {
   if (parameters.keep && kept_share > kAllKept)
-    return names_of(*parameters.keep) + (parameters.keep->shape == Region::Shape::kBox ? " contains" : " contain") +
+    return names_of(*parameters.keep) +
+           (parameters.keep->shape == Region::Shape::kBox ? " contains" : " contain") +
            " the whole mesh. Make the region smaller.";
   const Certificate& counts = set.certificate;
-  if (const std::uint64_t crossing = std::uint64_t{counts.united} - set.size.united; counts.united > set.size.united)
+  if (const std::uint64_t crossing = std::uint64_t{counts.united} - set.size.united;
+      counts.united > set.size.united)
     return counted(crossing, "piece has no volume of its own", "pieces have no volume of their own") +
            ", because the surface crosses itself. Ask for more fragments, or repair the surface in a modelling tool.";
   SizeLimits others = parameters.size;

@@ -111,12 +111,11 @@ void report_size(const FractureParameters& p, bool instances, const SplitFigures
         ": the remaining ones touch nothing that they could be merged with. Allow more, or join the parts of "
         "the mesh in a modelling tool.");
   if (p.hits.empty() && p.size.max_triangles > 0 && triangles > p.size.max_triangles)
-    remarks.warn(
-        "The fragments have " + counted(triangles, "triangle", "triangles") +
-        ", although 'max_triangles' is " + grouped(p.size.max_triangles) +
-        ". Nothing was merged to meet this limit, because " + grouped(set.size.fewest_triangles) +
-        " would be left even if everything were merged. Set 'max_triangles' to at least " +
-        grouped(set.size.fewest_triangles) + ", or simplify the mesh.");
+    remarks.warn("The fragments have " + counted(triangles, "triangle", "triangles") +
+                 ", although 'max_triangles' is " + grouped(p.size.max_triangles) +
+                 ". Nothing was merged to meet this limit, because " + grouped(set.size.fewest_triangles) +
+                 " would be left even if everything were merged. Set 'max_triangles' to at least " +
+                 grouped(set.size.fewest_triangles) + ", or simplify the mesh.");
   if (p.max_volume > 0 && largest > p.max_volume)
     remarks.warn(
         "The largest fragment has a volume of " + short_number(largest) + " m³, although 'max_volume' is " +

@@ -323,7 +323,7 @@ Expected<SitePlan> generate(const Task& task, const BrickPattern& pattern, const
       const Courses courses(place.box, brick, pattern.bond, pattern.cell.has_value());
       cells += courses.cells();
       if (cells > (pattern.cell ? task.most_sites : kMostCells)) {
-        if (pattern.cell || tried == kMostScales) 
+        if (pattern.cell || tried == kMostScales)
           return pattern.cell ? too_many_sites(task, cells, "brick", "cell", "a larger")
                               : too_many_sites(task, cells, "brick");
         break;

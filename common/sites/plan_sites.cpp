@@ -247,7 +247,8 @@ Expected<SitePlan> plan_sites(const SeenSolid& solid, const SiteParameters& p, c
     return fail(ErrorCode::kTooComplex,
                 counted(p.sites, "fragment of ", "fragments of ") + std::to_string(cells) +
                     (p.sites == 1 ? " cells needs " : " cells each need ") + grouped(count) + " sites; " +
-                    site_limit(p.most_sites) + ". Ask for fewer fragments, or for fewer 'cells_per_fragment'.",
+                    site_limit(p.most_sites) +
+                    ". Ask for fewer fragments, or for fewer 'cells_per_fragment'.",
                 "cells_per_fragment");
   Task task{solid.seen(), solid, count, p.seed, execution, p.most_sites, p.anisotropy, cells};
   std::optional<sites_detail::Density> density;

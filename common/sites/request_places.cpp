@@ -53,8 +53,8 @@ Vec3d nearest_place(const Solid& solid, const Vec3d& p, Pacer& pacer) {
 std::string correction_of(const Vec3d& place, const char* parameter, const Solid& solid) {
   const std::string name = std::string("'") + parameter + "'";
   const std::optional<std::string> unit = likely_unit(place, solid);
-  return unit ? name + " is in metres, with y up, but " + written(place, root_of(solid)) + " looks like " + *unit +
-                    ": convert it to metres."
+  return unit ? name + " is in metres, with y up, but " + written(place, root_of(solid)) + " looks like " +
+                    *unit + ": convert it to metres."
               : "Move " + name + " onto the mesh; coordinates are in metres, with y up.";
 }
 
@@ -155,7 +155,8 @@ void check_points(const Solid& solid, const std::vector<Vec3d>& points, Remarks&
 
 std::optional<FarPlace> far_place(const Solid& solid, const Vec3d& place, double near, const char* parameter,
                                   const Execution& execution) {
-  if (solid.triangles.empty() || sites_detail::ColumnSampler(solid, 0, execution).inside(std::span(&place, 1))[0])
+  if (solid.triangles.empty() ||
+      sites_detail::ColumnSampler(solid, 0, execution).inside(std::span(&place, 1))[0])
     return std::nullopt;
   Pacer pacer(execution);
   const double distance = length(nearest_place(solid, place, pacer) - place);

@@ -54,7 +54,8 @@ Expected<SitePlan> generate(const Task& task, const SlicePattern& pattern, const
     const GridPattern grid = grid_of(pattern, task);
     Expected<SitePlan> plan = generate(task, grid, map);
     if (!plan && plan.error().code == ErrorCode::kTooComplex && pattern.spacing)
-      return too_many_sites(task, boxes_in(task.solid.box.size(), *grid.cell), "slice", "spacing", "a larger");
+      return too_many_sites(task, boxes_in(task.solid.box.size(), *grid.cell), "slice", "spacing",
+                            "a larger");
     return plan;
   }
   // The plane n·q = c is A^-T n · A q = c.

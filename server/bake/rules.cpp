@@ -157,7 +157,8 @@ Expected<RuleFile> read_rules(const std::string& path) {
   std::string text(kMaxRuleFileBytes + 1, '\0');
   if (stream) stream.read(text.data(), static_cast<std::streamsize>(text.size()));
   if (stream.bad() || (!stream && !stream.eof()))
-    return wrong("The rules file '" + path + "' cannot be read: " + std::strerror(errno != 0 ? errno : EIO) + ".");
+    return wrong("The rules file '" + path + "' cannot be read: " + std::strerror(errno != 0 ? errno : EIO) +
+                 ".");
   text.resize(static_cast<std::size_t>(stream.gcount()));
   if (text.size() > kMaxRuleFileBytes)
     return in_file("the file has more than the limit of " + grouped(kMaxRuleFileBytes) + " bytes");
@@ -225,10 +226,10 @@ Expected<std::vector<RuleMatch>> RuleTally::find(const std::string& path, const 
       for (std::size_t rest = k; rest < seen_.size(); ++rest)
         seen_[rest].matched = seen_[rest].decided = true;
       if (whole) break;
-      return fail(ErrorCode::kTooLarge, "Its " + grouped(names.nodes.size() + names.materials.size()) +
-                                            " names need more than " + grouped(kMaxMatchSteps) +
-                                            " comparisons with the patterns of '" + file_.path +
-                                            "' up to rule " + std::to_string(k + 1) + ". Use simpler patterns.");
+      return fail(ErrorCode::kTooLarge,
+                  "Its " + grouped(names.nodes.size() + names.materials.size()) + " names need more than " +
+                      grouped(kMaxMatchSteps) + " comparisons with the patterns of '" + file_.path +
+                      "' up to rule " + std::to_string(k + 1) + ". Use simpler patterns.");
     }
     if (!why) continue;
     seen_[k].matched = true;

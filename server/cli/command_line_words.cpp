@@ -11,7 +11,8 @@ namespace {
 std::string plain(const CLI::Error& error) {
   const std::string text = error.what(), name = text.substr(0, text.find(": "));
   if (error.get_name() == "ArgumentMismatch") {
-    if (text.find(": At Most 1 ") != std::string::npos) return name + " is given more than once. Give it once.";
+    if (text.find(": At Most 1 ") != std::string::npos)
+      return name + " is given more than once. Give it once.";
     if (text.ends_with(" missing")) return name + " needs a value.";
   }
   if (text == "A subcommand is required") return "Give a command: serve, bake, inspect or health.";

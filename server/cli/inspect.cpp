@@ -41,7 +41,8 @@ struct ForRequest {
   nlohmann::json estimate;
 };
 
-ForRequest for_request(const PreparedMesh& mesh, const FractureRequest& request, const ServiceConfig& config) {
+ForRequest for_request(const PreparedMesh& mesh, const FractureRequest& request,
+                       const ServiceConfig& config) {
   ForRequest result;
   check_size_of_pieces(mesh, request, result.remarks, result.choices);
   result.estimate =
@@ -82,7 +83,8 @@ void print(const std::string& input, const PreparedMesh& mesh, const ForRequest&
   const Mesh& source = *mesh.solid.source;
   std::printf("%s: %s\n", input.c_str(), mended ? "usable after repair" : "a closed solid as it is");
   const Vec3d size = mesh.solid.box.size();
-  std::printf("  size       %.6g x %.6g x %.6g m (%s)\n", size.x, size.y, size.z, in_words(mesh.frame).c_str());
+  std::printf("  size       %.6g x %.6g x %.6g m (%s)\n", size.x, size.y, size.z,
+              in_words(mesh.frame).c_str());
   const double once = volume_once(mesh.solid, {});
   std::printf("  volume     %.9g m³", r.volume);
   if (!(std::fabs(once - r.volume) <= kSameVolume * r.volume))
@@ -96,8 +98,8 @@ void print(const std::string& input, const PreparedMesh& mesh, const ForRequest&
   if (const auto contacts = contact_report(mesh.solid))
     std::printf("  contacts   %s, of which %s; area %.6g m², common volume %.6g m³; %s no other part\n",
                 counted(contacts->pairs, "pair of parts touches", "pairs of parts touch").c_str(),
-                counted(contacts->overlapping, "overlaps", "overlap").c_str(), contacts->area, contacts->volume,
-                counted(contacts->alone, "part touches", "parts touch").c_str());
+                counted(contacts->overlapping, "overlaps", "overlap").c_str(), contacts->area,
+                contacts->volume, counted(contacts->alone, "part touches", "parts touch").c_str());
   std::printf(
       "  source     %s, %s, %s, %s, %s\n", counted(r.source_triangles, "triangle", "triangles").c_str(),
       counted(r.source_vertices, "vertex", "vertices").c_str(), counted(nodes, "node", "nodes").c_str(),

@@ -289,7 +289,8 @@ std::vector<std::string> inconsistencies(const ServeOptions& o) {
   };
   at_most("max-uri", l.max_uri, "max-header", l.max_header, detail::size_with_unit);
   at_most("max-body", l.max_body, "max-bodies", l.max_bodies, detail::size_with_unit);
-  at_most("max-connections-per-address", l.max_connections_per_address, "max-connections", l.max_connections, grouped);
+  at_most("max-connections-per-address", l.max_connections_per_address, "max-connections", l.max_connections,
+          grouped);
   const std::pair<const char*, std::chrono::milliseconds> positive[] = {
       {"deadline", l.deadline},
       {"realtime-deadline", l.realtime_deadline},

@@ -212,7 +212,8 @@ GivenSettings from_file(const std::string& path, std::span<const Setting> settin
   } catch (const CLI::Error& e) {
     const int missing = ::access(path.c_str(), R_OK) == 0 ? 0 : errno;
     errors.push_back("--config '" + path + "' " +
-                     (missing != 0 ? std::string("cannot be read: ") + std::strerror(missing) : "is wrong: " + std::string(e.what())));
+                     (missing != 0 ? std::string("cannot be read: ") + std::strerror(missing)
+                                   : "is wrong: " + std::string(e.what())));
     return given;
   }
   for (const CLI::ConfigItem& item : items) {

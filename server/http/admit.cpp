@@ -45,23 +45,27 @@ Problem no_path(Listener listener, const std::string& path) {
     return route.listener != listener && match(route, path).has_value();
   });
   if (elsewhere)
-    return Problem(HttpProblem::kNotFound,
-                   what + (listener == Listener::kPublic ? " on the public port. Ask the admin port (--admin-port)."
-                                                         : " on the admin port. Ask the public port (--port)."));
+    return Problem(
+        HttpProblem::kNotFound,
+        what + (listener == Listener::kPublic ? " on the public port. Ask the admin port (--admin-port)."
+                                              : " on the admin port. Ask the public port (--port)."));
   return Problem(HttpProblem::kNotFound, what + ". GET /openapi.json lists all paths.");
 }
 
 Problem body_too_large(const Admission& admission, std::optional<std::uint64_t> bytes) {
-  const std::string body = bytes ? "The body has " + counted(*bytes, "byte", "bytes") : "The body is too large";
+  const std::string body =
+      bytes ? "The body has " + counted(*bytes, "byte", "bytes") : "The body is too large";
   const std::string limit = grouped(admission.max_body);
   const Carries carries = admission.route->carries;
   if (carries == Carries::kNothing || carries == Carries::kQuery)
-    return Problem(HttpProblem::kBodyTooLarge, body + ", but this path takes no body. Send the request without one.");
-  if (admission.max_body == kMaxSmallBody)
     return Problem(HttpProblem::kBodyTooLarge,
-                   body + "; the limit for parameters is " + limit + " bytes. Send fewer or shorter parameters.");
-  return Problem(HttpProblem::kBodyTooLarge, body + "; the limit is " + limit +
-                                                 " bytes (--max-body). Send a smaller mesh, or raise the limit.");
+                   body + ", but this path takes no body. Send the request without one.");
+  if (admission.max_body == kMaxSmallBody)
+    return Problem(HttpProblem::kBodyTooLarge, body + "; the limit for parameters is " + limit +
+                                                   " bytes. Send fewer or shorter parameters.");
+  return Problem(
+      HttpProblem::kBodyTooLarge,
+      body + "; the limit is " + limit + " bytes (--max-body). Send a smaller mesh, or raise the limit.");
 }
 
 Error Api::with_time(Error error, const Request& request) const {
@@ -87,10 +91,11 @@ Problem Api::no_memory(const MemoryBudget::Reservation& reservation) const {
                    "This client's other requests use up its share of the memory for bodies, so this body "
                    "does not fit. Send the request again when those requests are finished.")
         .with("Retry-After", "2");
-  return Problem(ErrorCode::kOverloaded,
-                 "The requests in progress hold " + data_size(bodies_.whole().used()) +
-                     " of the memory for bodies (--max-bodies), so this body does not fit now. Try again after "
-                     "Retry-After.")
+  return Problem(
+             ErrorCode::kOverloaded,
+             "The requests in progress hold " + data_size(bodies_.whole().used()) +
+                 " of the memory for bodies (--max-bodies), so this body does not fit now. Try again after "
+                 "Retry-After.")
       .with("Retry-After", "2");
 }
 
@@ -117,7 +122,8 @@ OrProblem<Admission> Api::admit(Listener listener, const RequestHead& head, cons
                              : tl::unexpected<Problem>(Problem(HttpProblem::kMethodNotAllowed,
                                                                "This path supports only " + allow + ".")
                                                            .with("Allow", allow));
-    return refuse(HttpProblem::kNotImplemented, "This server does not know the method '" + shortened(printable(head.method)) +
+    return refuse(HttpProblem::kNotImplemented, "This server does not know the method '" +
+                                                    shortened(printable(head.method)) +
                                                     "'. GET /openapi.json lists all paths and methods.");
   }
   admission.head_only = is_head;
@@ -129,7 +135,10 @@ OrProblem<Admission> Api::admit(Listener listener, const RequestHead& head, cons
                                                                                   : limits_.max_body;
 
   auto query = parse_query(head.query);
-  if (!query) return refuse(HttpProblem::kMalformedRequest, "The query has a malformed percent escape. Two hex digits must follow '%'; write %25 for a percent sign.");
+  if (!query)
+    return refuse(
+        HttpProblem::kMalformedRequest,
+        "The query has a malformed percent escape. Two hex digits must follow '%'; write %25 for a percent sign.");
   admission.query = std::move(*query);
   if (carries == Carries::kQuery) {
     // The handler checks the query itself.
@@ -251,9 +260,10 @@ std::optional<Problem> Api::refuse_media_type(const RequestHead& head, const Adm
   const std::string content_type = head.field("content-type"), type = media_type_of(content_type);
   if (type == "multipart/form-data") {
     if (multipart_boundary(content_type)) return std::nullopt;
-    return Problem(HttpProblem::kMalformedMultipart,
-                   "The Content-Type has no valid boundary for the parts of the form. HTTP libraries add it if you leave "
-                   "Content-Type out.");
+    return Problem(
+        HttpProblem::kMalformedMultipart,
+        "The Content-Type has no valid boundary for the parts of the form. HTTP libraries add it if you leave "
+        "Content-Type out.");
   }
   for (const auto& [name, value] : admission.query)
     if (name == "format") return std::nullopt;

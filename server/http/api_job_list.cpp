@@ -32,13 +32,14 @@ OrProblem<Page> page_of(const std::vector<std::pair<std::string, std::string>>& 
     if (name == "state") {
       page.filter.state = job_state_named(value);
       if (!page.filter.state)
-        return wrong(name, "'state' must be queued, running, done, failed or cancelled; it was '" + shortened(printable(value)) + "'.");
+        return wrong(name, "'state' must be queued, running, done, failed or cancelled; it was '" +
+                               shortened(printable(value)) + "'.");
     } else if (name == "limit") {
       const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), page.limit);
       if (error != std::errc{} || end != value.data() + value.size() || page.limit < 1 ||
           page.limit > kLongestPage)
-        return wrong(name, "'limit' must be a whole number from 1 to " + grouped(kLongestPage) + "; it was '" +
-                               shortened(printable(value)) + "'.");
+        return wrong(name, "'limit' must be a whole number from 1 to " + grouped(kLongestPage) +
+                               "; it was '" + shortened(printable(value)) + "'.");
     } else if (name == "before") {
       const auto time = time_in(value);
       if (!time) return wrong(name, "'before' must be the 'created' time of a job in this list.");

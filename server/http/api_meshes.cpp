@@ -15,16 +15,16 @@
 namespace fracture::http {
 namespace {
 
-constexpr const char* kFormOfId = "The id of a mesh is sha256: followed by the 64 lower-case hex digits of its SHA-256";
+constexpr const char* kFormOfId =
+    "The id of a mesh is sha256: followed by the 64 lower-case hex digits of its SHA-256";
 
 /// `id`: as the request gave it.
 Problem no_mesh(std::string_view id) {
   if (!digest_in(id))
-    return Problem(HttpProblem::kNotFound, std::string(kFormOfId) + "; it was '" + shortened(printable(id)) + "'.");
-  return Problem(
-      HttpProblem::kNotFound,
-      "This mesh is not (or no longer) stored here. PUT it to /meshes/" + std::string(id) +
-          ", then send the request again.");
+    return Problem(HttpProblem::kNotFound,
+                   std::string(kFormOfId) + "; it was '" + shortened(printable(id)) + "'.");
+  return Problem(HttpProblem::kNotFound, "This mesh is not (or no longer) stored here. PUT it to /meshes/" +
+                                             std::string(id) + ", then send the request again.");
 }
 
 Error of_upload(Error error) {
@@ -58,8 +58,7 @@ Answered Api::put_mesh(const std::shared_ptr<Request>& request, const std::stop_
   std::string wanted;  // empty: accept any digest
   if (request->admission.route->operation == Operation::kPutMesh) {
     const auto digest = digest_in(request->admission.segment);
-    if (!digest)
-      return tl::unexpected<Problem>(no_mesh(request->admission.segment));
+    if (!digest) return tl::unexpected<Problem>(no_mesh(request->admission.segment));
     wanted = *digest;
   }
   return with_mesh_input(
@@ -74,7 +73,8 @@ Answered Api::put_mesh(const std::shared_ptr<Request>& request, const std::stop_
         const std::uint64_t bytes = input_bytes(input.mesh, input.files);
         if (bytes > meshes_.config().quota_bytes)
           return refuse(HttpProblem::kBodyTooLarge,
-                        "The mesh has " + data_size(bytes) + "; the limit for all stored meshes together is " +
+                        "The mesh has " + data_size(bytes) +
+                            "; the limit for all stored meshes together is " +
                             data_size(meshes_.config().quota_bytes) +
                             " (--mesh-store). Send a smaller mesh, or raise the limit.");
         const auto asked = std::make_shared<FractureRequest>(input);
@@ -95,7 +95,8 @@ Answered Api::put_mesh(const std::shared_ptr<Request>& request, const std::stop_
             std::move(input), terms,
             [this, request, reply, keep](Expected<std::shared_ptr<const PreparedMesh>> prepared) {
               answering(*request, reply, [&]() -> Answered {
-                if (!prepared) return refusal(of_upload(with_time(std::move(prepared.error()), *request)), request->id);
+                if (!prepared)
+                  return refusal(of_upload(with_time(std::move(prepared.error()), *request)), request->id);
                 return keep(*prepared);
               });
             });
@@ -116,15 +117,15 @@ Answered Api::store(const Request& request, const FractureRequest& asked, const 
   if (!owner_of(request).empty()) owner.share = request.payer.account->shares().stored_bytes;
   const MeshStore::Put put = meshes_.put(stored, owner);
   if (put == MeshStore::Put::kOverShare)
-    return refuse(HttpProblem::kBodyTooLarge, "The mesh takes " + data_size(stored->held()) +
-                                                  "; the limit for all stored meshes of '" + owner.name +
-                                                  "' is " + data_size(owner.share) +
-                                                  ". Delete meshes that you no longer need, or send a smaller one.");
+    return refuse(HttpProblem::kBodyTooLarge,
+                  "The mesh takes " + data_size(stored->held()) + "; the limit for all stored meshes of '" +
+                      owner.name + "' is " + data_size(owner.share) +
+                      ". Delete meshes that you no longer need, or send a smaller one.");
   if (put == MeshStore::Put::kOverQuota)
-    return refuse(HttpProblem::kBodyTooLarge, "The mesh takes " + data_size(stored->held()) +
-                                                  "; the limit for all stored meshes is " +
-                                                  data_size(meshes_.config().quota_bytes) +
-                                                  " (--mesh-store). Send a smaller mesh, or raise the limit.");
+    return refuse(HttpProblem::kBodyTooLarge,
+                  "The mesh takes " + data_size(stored->held()) + "; the limit for all stored meshes is " +
+                      data_size(meshes_.config().quota_bytes) +
+                      " (--mesh-store). Send a smaller mesh, or raise the limit.");
   if (put == MeshStore::Put::kNoRoom)
     return tl::unexpected<Problem>(
         Problem(ErrorCode::kOverloaded, "Meshes that requests are using take up most of the " +

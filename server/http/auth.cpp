@@ -93,10 +93,13 @@ OrProblem<AccountPointer> authenticate(const tenants::Accounts& accounts, const 
         "This server needs a token: send 'Authorization: Bearer <token>'.", "Bearer realm=\"fracture\""));
   tenants::Accounts::Found found = accounts.find(std::string_view(given).substr(kScheme.size()));
   if (!found.account)
-    return tl::unexpected<Problem>(unauthorized("This server does not know the token. Check it, or ask the administrator for a valid one.", kInvalid));
+    return tl::unexpected<Problem>(unauthorized(
+        "This server does not know the token. Check it, or ask the administrator for a valid one.",
+        kInvalid));
   if (found.expires &&
       std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now()) >= *found.expires)
-    return tl::unexpected<Problem>(unauthorized("The token has expired. Ask the administrator for a new one.", kInvalid));
+    return tl::unexpected<Problem>(
+        unauthorized("The token has expired. Ask the administrator for a new one.", kInvalid));
   return std::move(found.account);
 }
 

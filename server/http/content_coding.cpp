@@ -129,11 +129,11 @@ Decoding decode_body(std::string& body, ContentCoding coding, std::uint64_t limi
   });
   if (outcome == Outcome::kStopped && size <= limit) return {.larger = true};
   if (outcome == Outcome::kStopped)
-    return {Problem(HttpProblem::kBodyTooLarge, std::string("The ") + name +
-                                                    " body decodes to more than " + data_size(limit) +
-                                                    ", which is the limit" +
-                                                    (limit > kMaxSmallBody ? " (--max-decoded). Send a smaller mesh."
-                                                                           : " for parameters. Send fewer or shorter ones."))};
+    return {Problem(HttpProblem::kBodyTooLarge,
+                    std::string("The ") + name + " body decodes to more than " + data_size(limit) +
+                        ", which is the limit" +
+                        (limit > kMaxSmallBody ? " (--max-decoded). Send a smaller mesh."
+                                               : " for parameters. Send fewer or shorter ones."))};
   if (outcome == Outcome::kWindow)
     return {Problem(
         HttpProblem::kMalformedCoding,
@@ -142,7 +142,8 @@ Decoding decode_body(std::string& body, ContentCoding coding, std::uint64_t limi
   if (outcome == Outcome::kDamaged)
     return {Problem(HttpProblem::kMalformedCoding, std::string("The body is not a complete ") + name +
                                                        " stream: it is damaged or ends early, after " +
-                                                       grouped(size) + " decoded bytes. Compress and send it again.")};
+                                                       grouped(size) +
+                                                       " decoded bytes. Compress and send it again.")};
   if (!reservation.grow_to(body.size() + size)) return {.no_room = true};
   std::string decoded;
   decoded.reserve(size);

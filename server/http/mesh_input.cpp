@@ -84,8 +84,9 @@ OrProblem<FractureRequest> read_mesh_input(const Request& request, std::shared_p
       }
     }
     if (!found)
-      return tl::unexpected<Problem>(
-          to_problem({ErrorCode::kEmptyBody, "The form has no part named 'mesh'. Name the part with the mesh file 'mesh'.", "mesh"}));
+      return tl::unexpected<Problem>(to_problem(
+          {ErrorCode::kEmptyBody,
+           "The form has no part named 'mesh'. Name the part with the mesh file 'mesh'.", "mesh"}));
   }
 
   const ParameterTable& table = service.parameters();

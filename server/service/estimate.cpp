@@ -278,11 +278,11 @@ std::string advice_for_less_memory(const RequestParameters& asked, const Solid& 
     return "Most of the memory is for the mesh itself: send one with fewer than its " +
            grouped(solid.triangles.size()) + " triangles" + or_raise;
   const std::string most = "Most of the memory is for '" + costliest.name + "': ";
-  if (costliest.value.is_null())
-    return most + "use a larger value, so that there are fewer cells" + or_raise;
-  std::string text = most + "use " + costliest.name + "=" + costliest.value.dump() +
-                     (costliest.value.is_number_integer() && costliest.value.get<std::uint64_t>() > 0 ? " or fewer" : "") + " (about " +
-                     size_in_words(costliest.working_bytes) + ")";
+  if (costliest.value.is_null()) return most + "use a larger value, so that there are fewer cells" + or_raise;
+  std::string text =
+      most + "use " + costliest.name + "=" + costliest.value.dump() +
+      (costliest.value.is_number_integer() && costliest.value.get<std::uint64_t>() > 0 ? " or fewer" : "") +
+      " (about " + size_in_words(costliest.working_bytes) + ")";
   if (costliest.name != "rough_amplitude" || costliest.working_bytes <= limit) return text + or_raise;
   RequestParameters smooth = asked;
   smooth.fracture.roughness.amplitude = 0;
@@ -299,9 +299,8 @@ std::optional<Error> cannot_fit(const RequestParameters& asked, const Solid& sol
   const auto most = static_cast<double>(limit);
   const ExpectedAnswer expected = expected_answer(asked, solid);
   if (!(expected.working_bytes > kEstimateFactor * most)) return std::nullopt;
-  Error error{ErrorCode::kTooComplex,
-              need_in_words(expected, most, setting) + " " +
-                  advice_for_less_memory(asked, solid, most, setting)};
+  Error error{ErrorCode::kTooComplex, need_in_words(expected, most, setting) + " " +
+                                          advice_for_less_memory(asked, solid, most, setting)};
   const CostliestParameter costliest = costliest_parameter(asked, solid, most);
   error.pointer = costliest.name;
   error.extra = Figures(nlohmann::json{{"bytes", static_cast<std::uint64_t>(expected.working_bytes)},
@@ -338,7 +337,8 @@ nlohmann::json estimate_document(const RequestParameters& asked, const Solid& so
           {"advice", advice ? nlohmann::json(*advice) : nlohmann::json()}};
 }
 
-Error with_advice(Error error, const RequestParameters& asked, const Solid& solid, const std::string& setting) {
+Error with_advice(Error error, const RequestParameters& asked, const Solid& solid,
+                  const std::string& setting) {
   if (error.code != ErrorCode::kTooComplex || !error.extra->contains("limit") ||
       !error.extra->contains("grew"))
     return error;

@@ -114,11 +114,12 @@ void check_size_of_pieces(const PreparedMesh& mesh, const FractureRequest& reque
 
 Error to_error(const Interrupted& interrupted) {
   if (interrupted.error) return *interrupted.error;
-  return {interrupted.code,
-          interrupted.code == ErrorCode::kDeadlineExceeded
-              ? "The work was stopped because its deadline passed. Ask for fewer sites, send a smaller mesh, or allow "
-                "more time."
-              : "The work was cancelled before it was done."};
+  return {
+      interrupted.code,
+      interrupted.code == ErrorCode::kDeadlineExceeded
+          ? "The work was stopped because its deadline passed. Ask for fewer sites, send a smaller mesh, or allow "
+            "more time."
+          : "The work was cancelled before it was done."};
 }
 
 FractureService::FractureService(const ServiceConfig& config, std::unique_ptr<FractureEngine> engine)

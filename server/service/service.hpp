@@ -42,7 +42,7 @@ struct ServiceConfig {
   /// get a share of it.
   std::uint64_t max_bytes_per_job = 0;
   std::string memory_setting = "--max-working";  ///< the flag that limits this memory, for error messages
-  TiersConfig tiers;  ///< the cache tiers below the result cache
+  TiersConfig tiers;                             ///< the cache tiers below the result cache
 };
 
 /// A mesh that is ready for any number of fractures.

@@ -38,8 +38,9 @@ Expected<TokenFile> TokenFile::load(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   std::string text(kMaxBytes + 1, '\0');
   file.read(text.data(), static_cast<std::streamsize>(text.size()));
-  if (!file.is_open() || file.bad()) 
-    return fail(ErrorCode::kFileAccess, file_name + " cannot be read: " + std::strerror(errno != 0 ? errno : EIO) + ".");
+  if (!file.is_open() || file.bad())
+    return fail(ErrorCode::kFileAccess,
+                file_name + " cannot be read: " + std::strerror(errno != 0 ? errno : EIO) + ".");
   text.resize(static_cast<std::size_t>(file.gcount()));
   if (text.size() > kMaxBytes)
     return fail(ErrorCode::kTooLarge,

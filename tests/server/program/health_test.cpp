@@ -38,7 +38,8 @@ TEST(Health, AServerIsAliveAndReadyUntilItDrains) {
   EXPECT_NE(error.find("/nothing answered 404"), std::string::npos) << error;
   const auto [public_code, public_error] = health({url(server.port)});
   EXPECT_EQ(public_code, 1);
-  EXPECT_NE(public_error.find("not an admin listener. Use the --admin-port (8081"), std::string::npos) << public_error;
+  EXPECT_NE(public_error.find("not an admin listener. Use the --admin-port (8081"), std::string::npos)
+      << public_error;
 
   server.signal(SIGTERM);
   require_eventually(kPatience, "the server to take the signal",
