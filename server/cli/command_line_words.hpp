@@ -1,4 +1,4 @@
-// What the command line says about wrong options, in place of the words of the parser's library.
+// Messages about wrong options, in place of those of the library that parses the command line.
 #pragma once
 
 #include <CLI/CLI.hpp>

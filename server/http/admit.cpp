@@ -36,8 +36,6 @@ std::optional<int> urgency_of(std::string_view field) {
   return std::nullopt;
 }
 
-}  // namespace
-
 /// Says if the path is on the other listener.
 Problem no_path(Listener listener, const std::string& path) {
   const std::string what = "There is no path '" + printable(path.substr(0, 100)) + "'";
@@ -52,6 +50,8 @@ Problem no_path(Listener listener, const std::string& path) {
   return Problem(HttpProblem::kNotFound, what + ". GET /openapi.json lists all paths.");
 }
 
+}  // namespace
+
 Problem body_too_large(const Admission& admission, std::optional<std::uint64_t> bytes) {
   const std::string body =
       bytes ? "The body has " + counted(*bytes, "byte", "bytes") : "The body is too large";
@@ -59,7 +59,8 @@ Problem body_too_large(const Admission& admission, std::optional<std::uint64_t> 
   const Carries carries = admission.route->carries;
   if (carries == Carries::kNothing || carries == Carries::kQuery)
     return Problem(HttpProblem::kBodyTooLarge,
-                   body + ", but this path takes no body. Send the request without one.");
+                   (bytes ? body : std::string("The request has a body")) +
+                       ", but this path takes none. Send the request without a body.");
   if (admission.max_body == kMaxSmallBody)
     return Problem(HttpProblem::kBodyTooLarge, body + "; the limit for parameters is " + limit +
                                                    " bytes. Send fewer or shorter parameters.");

@@ -223,7 +223,7 @@ CostliestParameter fewer_sites_of_hits(const FractureParameters& p, const Solid&
 
 std::string size_in_words(double bytes) { return data_size(static_cast<std::uint64_t>(bytes)); }
 
-/// What a request needs and what a computation may use, without advice.
+/// Returns the memory that a request needs and the limit, without advice.
 std::string need_in_words(const ExpectedAnswer& expected, double limit, const std::string& setting) {
   return "This request needs about " + size_in_words(expected.working_bytes) + " of memory, for about " +
          counted(static_cast<std::uint64_t>(expected.triangles), "triangle", "triangles") + " in " +

@@ -259,6 +259,14 @@ TEST(Http, TheAdminListenerAnswersWhileEveryWorkerIsBusyAndTheQueueIsFull) {
   busy.join();
 }
 
+TEST(Http, APathOfTheAdminPortIsNamedAsSuch) {
+  TestServer server;
+  const Reply reply = server.get("/livez");
+  EXPECT_EQ(reply.problem(), "not-found");
+  EXPECT_NE(reply.body.find("Ask the admin port (--admin-port)"), std::string::npos) << reply.body;
+  EXPECT_NE(server.get("/nothing").body.find("GET /openapi.json"), std::string::npos);
+}
+
 TEST(Http, TheDeadlineEndsTheWork) {
   TestServerOptions options;
   options.limits.deadline = std::chrono::milliseconds(50);
