@@ -292,7 +292,7 @@ int bake(const BakeOptions& options) {
   ServiceConfig service = options.service;
   const std::uint64_t memory = options.memory > 0 ? options.memory : available_memory() / 4 * 3;
   service.max_bytes_per_job = memory / static_cast<std::uint64_t>(jobs);
-  service.memory_setting = jobs > 1 ? "--memory, divided by -j" : "--memory";
+  service.memory_setting = "--memory";
   StopOnSignal stop;
   int refused = 0;
   std::unique_ptr<bake::Baker> baker;

@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <charconv>
 
+#include "common/base/printable.hpp"
+#include "common/base/words.hpp"
 #include "server/http/api.hpp"
 #include "server/http/job_document.hpp"
 

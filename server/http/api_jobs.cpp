@@ -4,6 +4,7 @@
 #include <stop_token>
 
 #include "common/base/json_text.hpp"
+#include "common/base/words.hpp"
 #include "server/http/api.hpp"
 #include "server/http/job_document.hpp"
 #include "server/http/job_wait.hpp"

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "common/base/text.hpp"
+#include "common/base/words.hpp"
 #include "common/digest/digest.hpp"
 
 namespace fracture::http {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "common/base/words.hpp"
 #include "common/parameters/parameter_object.hpp"
 #include "server/http/api.hpp"
 #include "server/http/multipart.hpp"

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "common/base/words.hpp"
 #include "common/import/obj_names.hpp"
 #include "common/mesh/material_library.hpp"
 #include "tests/import/make_files.hpp"
