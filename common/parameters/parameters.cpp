@@ -211,7 +211,8 @@ class ParameterTable::Parsing {
   void add(ErrorCode code, const RawParameter& raw, const std::string& place, std::string detail,
            const std::string& inside = {}) {
     if (place.empty()) return offences_.add(code, raw, std::move(detail), inside);
-    offences_.add(code, {"assign", {}, false}, std::move(detail), place + "/" + raw.name + inside);
+    const std::string entry = "Entry " + std::to_string(1 + std::stoul(place.substr(1))) + " of 'assign': ";
+    offences_.add(code, {"assign", {}, false}, entry + detail, place + "/" + raw.name + inside);
   }
 
   /// Applies values in the order of the table: the material, then the pattern, then the pattern's parameters. Parameters that are

@@ -193,8 +193,8 @@ TEST_F(BakeRulesTest, MatchingIsBoundedAndStops) {
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::kTooLarge);
   EXPECT_EQ(refused.error().detail,
-            "Its 20000 names need more than 200000000 comparisons with the patterns of '" + path +
-                "' up to rule 1.");
+            "Its 20,000 names need more than 200,000,000 comparisons with the patterns of '" + path +
+                "' up to rule 1. Use simpler patterns.");
   std::stop_source stop;
   stop.request_stop();
   const auto stopped = RuleTally(late).find("a.obj", names, stop.get_token());
