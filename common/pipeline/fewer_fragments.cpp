@@ -67,9 +67,8 @@ std::string names_of(const SizeLimits& size) {
 std::string why_fewer(std::uint32_t asked, const FractureParameters& parameters, double kept_share,
                       bool instances, const FragmentSet& set) {
   if (parameters.keep && kept_share > kAllKept)
-    return names_of(*parameters.keep) +
-           (parameters.keep->shape == Region::Shape::kBox ? " contains" : " contain") +
-           " the whole mesh. Make the region smaller.";
+    return "the region of " + names_of(*parameters.keep) +
+           " contains the whole mesh. Make the region smaller.";
   const Certificate& counts = set.certificate;
   if (const std::uint64_t crossing = std::uint64_t{counts.united} - set.size.united;
       counts.united > set.size.united)

@@ -168,9 +168,9 @@ TEST(FragmentNumber, TheReasonForFewerIsOneCause) {
   p.sites = 39;
   p.keep = Region{.shape = Region::Shape::kSphere, .center = {0, 0, 0}, .radius = 100};
   const Fractured kept = fracture_mesh(cube(), p);
-  EXPECT_TRUE(
-      warns(kept.report,
-            "because 'keep_center' and 'keep_radius' contain the whole mesh. Make the region smaller."));
+  EXPECT_TRUE(warns(
+      kept.report,
+      "because the region of 'keep_center' and 'keep_radius' contains the whole mesh. Make the region smaller."));
   EXPECT_FALSE(warns(kept.report, "'sites'"));
   p = asking_for(40, GridPattern{.cell = Vec3d{0.5, 0.5, 0.5}});
   EXPECT_TRUE(warns(fracture_mesh(cube(), p).report,
