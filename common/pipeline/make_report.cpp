@@ -92,6 +92,22 @@ void report_fragments(std::uint32_t asked, const FractureParameters& p, bool ins
                                : more_fragments(asked, p.parts == Parts::kTogether, instances, set)));
 }
 
+/// Share of the largest fragment that is known to be the kept region.
+constexpr double kMostOfIt = 0.999;
+
+/// Explains a fragment above 'max_volume' and says what to do, after "because ". `is_kept`: whether it is the kept region.
+std::string why_larger(const FractureParameters& p, const SplitFigures& split, bool is_kept) {
+  if (p.keep && is_kept)
+    return "the region of " + names_of(*p.keep) + " stays whole. Make the region smaller.";
+  if (!p.hits.empty() && p.rest == LocalRest::kWhole)
+    return "local_rest=whole keeps the rest of each part in one piece. Use local_rest=fractured.";
+  if (split.too_large > 0)
+    return "dividing it further would take too many passes or sites. Use a larger 'max_volume'.";
+  if (p.size.any())
+    return "pieces were merged to meet " + names_of(p.size) + ". Change this, or use a larger 'max_volume'.";
+  return "its pieces were joined. Use a larger 'max_volume'.";
+}
+
 void report_size(const FractureParameters& p, bool instances, const SplitFigures& split,
                  const CutCells::Whole& sizes, double kept_share, const FragmentSet& set, Report& report) {
   const std::vector<double>& volumes = sizes.volumes;
@@ -117,11 +133,9 @@ void report_size(const FractureParameters& p, bool instances, const SplitFigures
                  " would be left even if everything were merged. Set 'max_triangles' to at least " +
                  grouped(set.size.fewest_triangles) + ", or simplify the mesh.");
   if (p.max_volume > 0 && largest > p.max_volume)
-    remarks.warn(
-        "The largest fragment has a volume of " + short_number(largest) + " m³, although 'max_volume' is " +
-        short_number(p.max_volume) +
-        " m³: it was merged or kept whole, or dividing it would take too many passes or sites. Ask for "
-        "more 'sites', or lower the limits that merge pieces.");
+    remarks.warn("The largest fragment has a volume of " + short_number(largest) +
+                 " m³, although 'max_volume' is " + short_number(p.max_volume) + " m³, because " +
+                 why_larger(p, split, kept_share * report.solid.volume >= kMostOfIt * largest));
 }
 
 void report_kept(const FractureParameters& p, const CutCells& cut, Report& report) {

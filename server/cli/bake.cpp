@@ -103,7 +103,7 @@ std::string summary_of(const bake::RunFigures& f, std::size_t jobs, double secon
   for (const auto& [count, what] : figures)
     if (count > 0) line += (line.empty() ? "" : ", ") + grouped(count) + " " + what;
   if (line.empty()) line = "nothing made";
-  char took[32];
+  char took[64];
   std::snprintf(took, sizeof took, " in %.1f s: ", seconds);
   return counted(jobs, "job", "jobs") + took + line +
          (report.empty() ? "" : "; report in " + std::filesystem::path(report).lexically_normal().string());

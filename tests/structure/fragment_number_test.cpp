@@ -153,6 +153,17 @@ TEST(FragmentNumber, FewerBecauseOfMaxFragmentsAreANoteAndBecauseOfTheCellsAWarn
   EXPECT_TRUE(warns(fracture_mesh(two, asking_for(1)).report, "1 fragment was asked for, and 2 were made"));
 }
 
+TEST(FragmentNumber, TheReasonForALargeFragmentIsOneCause) {
+  FractureParameters p;
+  p.sites = 60;
+  p.max_volume = 0.02;
+  p.size.max_fragments = 10;
+  const Fractured made = fracture_mesh(cube(), p);
+  EXPECT_EQ(made.set.fragments.size(), 10u);
+  EXPECT_TRUE(warns(made.report,
+                    "although 'max_volume' is 0.02 m³, because pieces were merged to meet 'max_fragments'."));
+}
+
 TEST(FragmentNumber, TheReasonForFewerIsOneCause) {
   FractureParameters p = asking_for(40);
   p.sites = 10;
