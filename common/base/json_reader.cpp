@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "common/base/bulk.hpp"
+#include "common/base/words.hpp"
 
 namespace fracture {
 namespace {
@@ -129,13 +130,17 @@ tl::expected<JsonDocument, JsonFault> read_json(std::string_view text, const Jso
     return tl::unexpected<JsonFault>({.kind = JsonFault::Kind::kSyntax, .byte = nul + 1});
   Builder builder(limits);
   const bool whole = json::sax_parse(text.begin(), text.end(), &builder);
-  return std::move(builder).take(whole);
+  auto read = std::move(builder).take(whole);
+  if (!read && read.error().kind == JsonFault::Kind::kSyntax)
+    read.error().at_end = read.error().byte > text.size();
+  return read;
 }
 
 std::string to_text(const JsonFault& fault) {
   switch (fault.kind) {
     case JsonFault::Kind::kSyntax:
-      return "is not valid JSON (error at byte " + std::to_string(fault.byte) + ")";
+      if (fault.at_end) return "ends before its JSON is complete (byte " + grouped(fault.byte) + ")";
+      return "is not valid JSON (error at byte " + grouped(fault.byte) + ")";
     case JsonFault::Kind::kTooDeep:
       return "is nested too deeply";
     case JsonFault::Kind::kTooLarge:

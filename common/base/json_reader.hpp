@@ -33,6 +33,7 @@ struct JsonFault {
   Kind kind = Kind::kSyntax;
   std::string name{};    ///< name of the repeated member, at most 100 bytes of it
   std::size_t byte = 0;  ///< number of bytes read
+  bool at_end = false;   ///< kSyntax: the text ends before the JSON is complete
 };
 /// Returns the rest of a sentence whose subject is the text, e.g. "names 'a' more than once".
 std::string to_text(const JsonFault& fault);

@@ -87,4 +87,25 @@ std::vector<std::string> nearest_names(std::string_view name, std::span<const st
   return names;
 }
 
+std::string did_you_mean(std::string_view name, std::span<const std::string> known) {
+  constexpr std::size_t kMostSuggested = 3;
+  std::string text;
+  if (name.size() > 2 * kLongest) return text;
+  std::vector<std::string> near;
+  EditDistance distance(name);
+  std::size_t least = name.size() / 3;
+  for (const std::string& candidate : known) {
+    if (distance.at_least(candidate) > least) continue;
+    const std::size_t edits = distance.to(candidate);
+    if (edits > least) continue;
+    if (edits < least) near.clear();
+    least = edits;
+    if (near.size() < kMostSuggested && std::find(near.begin(), near.end(), candidate) == near.end())
+      near.push_back(candidate);
+  }
+  for (std::size_t k = 0; k < near.size(); ++k)
+    text += (k == 0 ? " Did you mean '" : k + 1 < near.size() ? "', '" : "' or '") + near[k];
+  return text.empty() ? text : text + "'?";
+}
+
 }  // namespace fracture

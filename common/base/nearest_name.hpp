@@ -19,4 +19,8 @@ std::optional<std::string> nearest_name(std::string_view name, std::span<const s
 std::vector<std::string> nearest_names(std::string_view name, std::span<const std::string> known,
                                        std::size_t most);
 
+/// Returns " Did you mean 'lid' or 'lip'?" with at most three of the known names that are nearest. Empty if none is as near as
+/// nearest_name() requires.
+std::string did_you_mean(std::string_view name, std::span<const std::string> known);
+
 }  // namespace fracture

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "common/base/execution.hpp"
+#include "common/base/words.hpp"
 
 namespace fracture {
 namespace {
@@ -14,22 +15,38 @@ constexpr std::uint64_t kMostAhead =
 
 struct Refusal {
   ErrorCode code;
-  std::string why;  ///< end of the sentence that says how many bytes are needed
+  std::string why;  ///< end of the sentence that says how much memory is needed
+  std::string advice;
 };
 
 Refusal refusal_of(Allowance::Answer answer, const std::string& limit) {
   switch (answer) {
     case Allowance::Answer::kNever:
-      return {ErrorCode::kTooComplex, "; a computation may use " + limit + ". " + kAdviceForFewerProducts};
+      return {ErrorCode::kTooComplex, "; the limit for one computation is " + limit, kAdviceForFewerProducts};
     case Allowance::Answer::kOverShare:
       return {ErrorCode::kOverShare,
-              ". A computation may use " + limit +
-                  ", minus the bytes that the same client's other computations are using now. "
-                  "Wait until one of them has finished, then ask again."};
+              "; the limit is " + limit +
+                  " for all computations of one client, and this client's others use the rest",
+              "Send the request again when one of them has finished."};
     default:
-      return {ErrorCode::kOutOfMemory,
-              ", but other computations are using too much memory now. Try again later."};
+      return {ErrorCode::kOutOfMemory, ", but other computations are using too much memory now",
+              "Try again later."};
   }
+}
+
+/// Returns "2,863,922 fragment triangles", or "a mesh of 36.7 MB".
+std::string amount_of(Product product, std::uint64_t count) {
+  switch (product) {
+    case Product::kImportBytes:
+      return "an import of " + data_size(count);
+    case Product::kMeshBytes:
+      return "a mesh of " + data_size(count);
+    default:
+      break;
+  }
+  std::string what = name_of(product);
+  std::replace(what.begin(), what.end(), '_', ' ');
+  return grouped(count) + " " + what;
 }
 
 }  // namespace
@@ -109,13 +126,11 @@ void Allowance::grow(Product product, std::uint64_t bytes) {
     }
     return;
   }
-  const Refusal refusal = refusal_of(answer, std::to_string(limit_));
+  const Refusal refusal = refusal_of(answer, data_size(limit_));
   const std::uint64_t made = made_[static_cast<std::size_t>(product)].load();
-  std::string what = name_of(product);
-  std::replace(what.begin(), what.end(), '_', ' ');
-  Error error{refusal.code, "The computation has made " + std::to_string(made) + " " + what +
-                                " so far, and needs more than " + std::to_string(bytes) + " bytes in all" +
-                                refusal.why};
+  Error error{refusal.code, "This computation needs more than " + data_size(bytes) + " of memory" +
+                                refusal.why + ". Until then, it had made " + amount_of(product, made) + ". " +
+                                refusal.advice};
   if (refusal.code == ErrorCode::kOverShare) error.retry_after = std::chrono::seconds(10);
   error.extra = Figures(
       nlohmann::json{{"grew", name_of(product)}, {"count", made}, {"bytes", bytes}, {"limit", limit_}});

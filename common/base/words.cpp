@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <iterator>
 
 namespace fracture {
 namespace {
@@ -19,6 +20,15 @@ std::string grouped(std::uint64_t number) {
 
 std::string counted(std::uint64_t count, const char* one, const char* many) {
   return grouped(count) + " " + (count == 1 ? one : many);
+}
+
+std::string data_size(std::uint64_t bytes) {
+  if (bytes < 1000) return counted(bytes, "byte", "bytes");
+  constexpr const char* kUnits[] = {"kB", "MB", "GB", "TB"};
+  std::size_t unit = 0;
+  double number = static_cast<double>(bytes) / 1000;
+  for (; number >= 999.95 && unit + 1 < std::size(kUnits); ++unit) number /= 1000;
+  return short_number(number) + " " + kUnits[unit];
 }
 
 std::string short_number(double value) {

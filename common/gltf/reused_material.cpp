@@ -4,8 +4,13 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
 
+#include "common/base/nearest_name.hpp"
 #include "common/base/pacer.hpp"
+#include "common/base/printable.hpp"
 #include "common/base/words.hpp"
 #include "common/mesh/material_library.hpp"
 #include "common/surface_color/base_color.hpp"
@@ -135,10 +140,16 @@ Expected<ReusedMaterial> reused_material(const std::string& wanted, bool keep_te
     json known = json::array();
     for (const json& material : materials) known.push_back(name_of(material));
     const std::size_t count = known.size();
-    return fail(ErrorCode::kBadParameter,
-                "'interior_material': the mesh has no material '" + wanted + "'; it has " +
-                    counted(count, "material", "materials") + ".",
-                "interior_material", {{"known", std::move(known)}});
+    std::string detail = "'interior_material': the mesh has no material '" + wanted + "'";
+    if (count == 0)
+      detail += "; it has no materials. Leave 'interior_material' out.";
+    else if (count == 1)
+      detail += "; its only material is '" + known[0].get<std::string>() + "'.";
+    else
+      detail += "." + printable(did_you_mean(wanted, known.get<std::vector<std::string>>())) +
+                " Use one of its " + grouped(count) + " materials, which 'known' lists.";
+    return fail(ErrorCode::kBadParameter, std::move(detail), "interior_material",
+                {{"known", std::move(known)}});
   }
   const BaseColor own = base_color(*mesh.library, slot);
   Pacer pacer(execution);

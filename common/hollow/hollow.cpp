@@ -21,19 +21,25 @@ namespace {
 using hollow_detail::Cavity;
 using hollow_detail::Run;
 
+/// Returns "The closed part", "All 3 closed parts" or "2 of 3 closed parts".
+std::string closed_parts(std::uint64_t count, std::uint64_t all) {
+  if (all == 1) return "The closed part";
+  return (count == all ? "All " + grouped(all) : grouped(count) + " of " + grouped(all)) + " closed parts";
+}
+
 /// Adds remarks. `asked`: number of parts that may have become walls; `hollow` of them did. `mean_thickness`: of their walls.
 void add_remarks(SolidReport& report, const HollowOptions& options, std::uint64_t asked, std::uint64_t hollow,
                  double mean_thickness) {
   const std::uint64_t solid = asked - hollow;
   const bool by_material = options.least_ball > 0;
   if (by_material && hollow > 0)
-    report.remarks.note(counted(hollow, "closed part large enough for", "closed parts large enough for") +
-                        " a ball of size 'shell_ball' became hollow. shell=0 keeps " +
+    report.remarks.note(counted(hollow, "closed part", "closed parts") +
+                        " became hollow, because a ball of the diameter 'shell_ball' fits inside " +
+                        (hollow == 1 ? "it" : "each of them") + ". Use shell=0 to keep " +
                         (hollow == 1 ? "it" : "them") + " solid.");
   if (solid > 0) {
     const std::string what =
-        grouped(solid) + " of " + counted(asked, "closed part", "closed parts") + " stayed solid, because " +
-        (solid == 1 ? "it is" : "they are") +
+        closed_parts(solid, asked) + " stayed solid, because " + (solid == 1 ? "it is" : "they are") +
         " nowhere thick enough for walls, or because the inner sides of all parts together may have at most " +
         counted(options.max_all, "triangle", "triangles") + ".";
     if (by_material)
@@ -58,15 +64,13 @@ void report_too_thick(const HollowOptions& options, std::uint64_t parts, std::ui
     none ? remarks.warn(std::move(sentence)) : remarks.note(std::move(sentence));
   };
   if (too_thin > 0)
-    tell(grouped(too_thin) + " of " + counted(parts, "closed part", "closed parts") +
-         (too_thin == 1 ? " stays" : " stay") + " solid, because " + name +
+    tell(closed_parts(too_thin, parts) + (too_thin == 1 ? " stays" : " stay") + " solid, because " + name +
          " asks for walls of at least half the part's thickness. " +
          (options.thickness > 0 ? "Give a value below " + short_number(thinnest / 2) + " m."
                                 : "Give a smaller value."));
   if (with_walls > 0)
-    tell(grouped(with_walls) + " of " + counted(parts, "closed part", "closed parts") +
-         (with_walls == 1 ? " has" : " have") + " a cavity already, so " + name + " does not apply to " +
-         (with_walls == 1 ? "it." : "them."));
+    tell(closed_parts(with_walls, parts) + (with_walls == 1 ? " has" : " have") + " a cavity already, so " +
+         name + " does not apply to " + (with_walls == 1 ? "it." : "them."));
 }
 
 /// Lattice triangles per triangle that a part may have. If many parts share the triangles, more would be

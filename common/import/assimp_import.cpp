@@ -268,7 +268,9 @@ Expected<Mesh> import_with_assimp(std::span<const std::byte> bytes, MeshFormat f
       for (char& c : reason) c = c >= 0x20 && c < 0x7f ? c : ' ';
       refuse(ErrorCode::kMalformedMesh,
              "The file cannot be read as " + std::string(extension_of(format)) + ": " +
-                 (reason.empty() ? "its reader gives no reason." : reason.substr(0, 300)));
+                 (reason.empty() ? "its reader gives no reason." : reason.substr(0, 300)) +
+                 (reason.empty() || reason.ends_with('.') ? "" : ".") +
+                 " Export it again, preferably as GLB.");
     };
     const aiScene* scene = importer.ReadFile(name, 0);
     check(scene);

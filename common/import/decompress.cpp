@@ -9,18 +9,21 @@
 #include <memory>
 #include <string>
 
+#include "common/base/words.hpp"
+#include "common/import/limit_words.hpp"
+
 namespace fracture {
 namespace {
 
 constexpr std::size_t kBlock = 1u << 20;
 
 tl::unexpected<Error> too_large(std::uint64_t max_bytes) {
-  return fail(ErrorCode::kTooLarge, "The decompressed file has more than the " + std::to_string(max_bytes) +
-                                        " bytes that are allowed.");
+  return fail(ErrorCode::kTooLarge, "The decompressed file has more than " + decoded_limit(max_bytes) +
+                                        ", which is the limit. " + kSmallerMesh);
 }
 tl::unexpected<Error> damaged(std::size_t good) {
-  return fail(ErrorCode::kMalformedMesh,
-              "The compressed file is damaged or truncated after " + std::to_string(good) + " bytes.");
+  return fail(ErrorCode::kMalformedMesh, "The compressed file is damaged, or ends early, after " +
+                                             counted(good, "byte", "bytes") + ". Save or send it again.");
 }
 
 }  // namespace
@@ -40,7 +43,8 @@ namespace {
 Expected<std::vector<std::byte>> inflate_stream(std::span<const std::byte> bytes, std::uint64_t max_bytes,
                                                 int window_bits) {
   if (bytes.size() > std::numeric_limits<uInt>::max())
-    return fail(ErrorCode::kTooLarge, "The compressed file is larger than 4 GiB.");
+    return fail(ErrorCode::kTooLarge,
+                "The compressed file is larger than 4 GiB, which is the limit. " + std::string(kSmallerMesh));
   z_stream stream{};
   stream.next_in = reinterpret_cast<Bytef*>(const_cast<std::byte*>(bytes.data()));  // not written by zlib
   stream.avail_in = static_cast<uInt>(bytes.size());

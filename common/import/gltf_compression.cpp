@@ -6,6 +6,8 @@
 #include <cstring>
 #include <map>
 
+#include "common/base/words.hpp"
+#include "common/import/limit_words.hpp"
 #include "common/import/refused.hpp"
 
 namespace fracture {
@@ -96,8 +98,8 @@ void decode_primitive(GltfDocument& document, json& primitive, const ImportLimit
   const std::uint64_t faces = mesh->num_faces();
   if (faces > limits.max_triangles)
     refuse(ErrorCode::kTooLarge,
-           "The Draco data has " + std::to_string(faces) + " triangles; the limit is " +
-               std::to_string(limits.max_triangles) + ".",
+           "The Draco data has " + counted(faces, "triangle", "triangles") + "; the limit is " +
+               triangle_limit(limits.max_triangles) + ". " + kSmallerMesh,
            inner);
   if (faces == 0 || points == 0) refuse(ErrorCode::kMalformedMesh, "The Draco data has no triangles.", inner);
 
@@ -154,8 +156,10 @@ std::vector<std::uint8_t> decode_meshopt(const json& extension, std::span<const 
   const std::string mode = text_at("mode", ""), filter = text_at("filter", "NONE");
   if (stride == 0 || stride > 256 || count == 0 || count > limits.max_decoded_bytes / stride)
     refuse(ErrorCode::kTooLarge,
-           "The compressed view declares " + std::to_string(count) + " elements of " +
-               std::to_string(stride) + " bytes each, which is outside the limits.",
+           "The compressed view declares " + counted(count, "element", "elements") + " of " +
+               std::to_string(stride) +
+               " bytes; it must have at least one element of 1 to 256 bytes, and at most " +
+               decoded_limit(limits.max_decoded_bytes) + ". Export the file again.",
            pointer);
   std::vector<std::uint8_t> out(count * stride);
   int result = -1;

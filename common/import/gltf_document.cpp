@@ -4,11 +4,13 @@
 #include <iterator>
 #include <optional>
 
+#include "common/base/words.hpp"
 #include "common/import/gltf_compression.hpp"
 #include "common/import/gltf_dropped.hpp"
 #include "common/import/gltf_extensions.hpp"
 #include "common/import/gltf_materials.hpp"
 #include "common/import/gltf_variants.hpp"
+#include "common/import/limit_words.hpp"
 #include "common/import/preflight.hpp"
 #include "common/import/refused.hpp"
 #include "common/import/uri.hpp"
@@ -92,8 +94,8 @@ class Buffers {
           decoded += data->bytes.size();
           if (decoded > limits.max_decoded_bytes)
             refuse(ErrorCode::kTooLarge,
-                   "The buffers decode to more than the " + std::to_string(limits.max_decoded_bytes) +
-                       " bytes that are allowed.",
+                   "The buffers up to this one decode to " + data_size(decoded) + "; the limit is " +
+                       decoded_limit(limits.max_decoded_bytes) + ". " + kSmallerMesh,
                    pointer);
           owned_.push_back(std::move(data->bytes));
           bytes = owned_.back();
@@ -253,8 +255,9 @@ void check_accessors(const json& document, const ImportLimits& limits) {
     const std::uint64_t element = component * components;
     if (count > limits.max_decoded_bytes / element)
       refuse(ErrorCode::kTooLarge,
-             "The accessor declares " + std::to_string(count) + " elements, which need more than the " +
-                 std::to_string(limits.max_decoded_bytes) + " bytes that are allowed.",
+             "The accessor declares " + grouped(count) + " elements of " + std::to_string(element) +
+                 " bytes; the limit for a mesh is " + decoded_limit(limits.max_decoded_bytes) + ". " +
+                 kSmallerMesh,
              pointer + "/count", {{"count", count}});
     if (accessor.contains("bufferView"))
       check_range(document, unsigned_at(accessor, "bufferView", kRequired, pointer),
@@ -296,8 +299,10 @@ json parse(std::string_view text, const ImportLimits& limits) {
     std::string beginning;
     for (const char c : text.substr(0, 16)) beginning += c >= 0x20 && c < 0x7f ? c : '.';
     refuse(ErrorCode::kMalformedMesh,
-           "The JSON of the glTF is not valid at byte " + std::to_string(error.byte) +
-               "; the JSON begins with \"" + beginning + "\".",
+           (error.byte > text.size()
+                ? "The JSON of the glTF ends at byte " + grouped(error.byte) + ", before it is complete"
+                : "The JSON of the glTF is not valid at byte " + grouped(error.byte)) +
+               "; the JSON begins with \"" + beginning + "\". Copy, download or export the file again.",
            {}, {{"byte", error.byte}});
   }
 }
@@ -348,8 +353,9 @@ std::uint64_t append_binary(GltfDocument& document, std::span<const std::uint8_t
                             const ImportLimits& limits) {
   const std::uint64_t offset = (document.binary.size() + 7) / 8 * 8;
   if (bytes.size() > limits.max_decoded_bytes || offset > limits.max_decoded_bytes - bytes.size())
-    refuse(ErrorCode::kTooLarge, "The geometry decodes to more than the " +
-                                     std::to_string(limits.max_decoded_bytes) + " bytes that are allowed.");
+    refuse(ErrorCode::kTooLarge, "The geometry decodes to more than " +
+                                     decoded_limit(limits.max_decoded_bytes) + ", which is the limit. " +
+                                     kSmallerMesh);
   document.binary.resize(offset);
   document.binary.insert(document.binary.end(), bytes.begin(), bytes.end());
   return offset;

@@ -74,8 +74,9 @@ void bound(MaterialLibrary& library, Remarks& remarks, std::vector<Dropped>& dro
   for (json* list : lists) drop_extras(*list);
   if (const std::size_t bytes = held(); bytes > kMaxLibraryBytes)
     refuse(ErrorCode::kTooLarge,
-           "The materials take " + std::to_string(bytes) + " bytes in memory; the limit is " +
-               std::to_string(kMaxLibraryBytes) + ".",
+           "The materials take " + data_size(bytes) + " in memory; the limit is " +
+               data_size(kMaxLibraryBytes) +
+               ". Remove materials that nothing uses, or merge materials that look the same.",
            "/materials", {{"bytes", bytes}, {"limit", kMaxLibraryBytes}});
   dropped.push_back({"extras", "/materials", "with them the materials would take too much memory"});
   remarks.warn(

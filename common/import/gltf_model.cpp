@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "common/base/words.hpp"
 #include "common/import/gltf_accessor.hpp"
 #include "common/import/refused.hpp"
 
@@ -75,7 +76,8 @@ tinygltf::Model load_gltf_model(GltfDocument& document) {
   if (!loader.LoadBinaryFromMemory(&model, &errors, &warnings, glb.data(), static_cast<unsigned>(glb.size()),
                                    "", 0)) {
     while (!errors.empty() && (errors.back() == '\n' || errors.back() == ' ')) errors.pop_back();
-    refuse(ErrorCode::kMalformedMesh, "The glTF cannot be read: " + errors.substr(0, 300) + ".");
+    refuse(ErrorCode::kMalformedMesh, "The glTF cannot be read: " + errors.substr(0, 300) +
+                                          (errors.ends_with('.') ? "" : ".") + " Export it again.");
   }
   return model;
 }
@@ -138,8 +140,9 @@ std::vector<Transform> gltf_instances(const tinygltf::Model& model, const tinygl
       (!s.empty() && s.size() != 3 * count))
     refuse(ErrorCode::kMalformedMesh, "The attributes of EXT_mesh_gpu_instancing have different counts.");
   if (count > max_instances)
-    refuse(ErrorCode::kTooLarge, "EXT_mesh_gpu_instancing makes " + std::to_string(count) +
-                                     " instances; the limit is " + std::to_string(max_instances) + ".");
+    refuse(ErrorCode::kTooLarge, "EXT_mesh_gpu_instancing makes " + grouped(count) +
+                                     " instances; the limit is " + grouped(max_instances) +
+                                     ". Divide the scene into several files.");
   std::vector<Transform> result(count);
   for (std::size_t k = 0; k < count; ++k)
     result[k] = compose(t.empty() ? Vec3d{} : Vec3d{t[3 * k], t[3 * k + 1], t[3 * k + 2]},

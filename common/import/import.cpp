@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/base/json_reader.hpp"
+#include "common/base/words.hpp"
 #include "common/import/assimp_import.hpp"
 #include "common/import/complete_attributes.hpp"
 #include "common/import/decompress.hpp"
@@ -115,8 +116,8 @@ Expected<void> limit_materials(const MaterialLibrary& library) {
   for (const nlohmann::json* list : json_lists(library))
     if (json_bytes(*list) > kMost)
       return fail(ErrorCode::kTooLarge,
-                  "The materials take more than " + std::to_string(kMost) +
-                      " bytes in memory, which is the limit. Merge materials that look the same.",
+                  "The materials take more than " + data_size(kMost) +
+                      " in memory, which is the limit. Merge materials that look the same.",
                   {}, {{"limit", kMost}});
   return {};
 }

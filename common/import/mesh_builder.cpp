@@ -9,6 +9,7 @@
 #include "common/base/gathered.hpp"
 #include "common/base/printable.hpp"
 #include "common/base/words.hpp"
+#include "common/import/limit_words.hpp"
 #include "common/mesh/material_library.hpp"
 
 namespace fracture {
@@ -87,9 +88,10 @@ Expected<void> MeshBuilder::add(Surface surface) {
   const std::uint64_t triangles = mesh_.triangles.size() + surface.triangles.size();
   if (triangles > limits_.max_triangles)
     return fail(ErrorCode::kTooLarge,
-                "The scene has more than the " + std::to_string(limits_.max_triangles) +
-                    " triangles that are allowed.",
-                {}, {{"limit", limits_.max_triangles}});
+                "With \"" + shortened(mesh_.node_names.back()) + "\", the scene has " +
+                    counted(triangles, "triangle", "triangles") + "; the limit is " +
+                    triangle_limit(limits_.max_triangles) + ". " + kSmallerMesh,
+                {}, {{"triangles", triangles}, {"limit", limits_.max_triangles}});
   const Attributes& a = surface.attributes;
   if (a.uvs.size() > kMostAttributeSets || a.colors.size() > kMostAttributeSets)
     return fail(ErrorCode::kTooLarge,
@@ -102,8 +104,9 @@ Expected<void> MeshBuilder::add(Surface surface) {
                      16 * a.colors.size());
   if (bytes_ > limits_.max_decoded_bytes || before + count >= kNoIndex)
     return fail(ErrorCode::kTooLarge,
-                "The scene needs more than the " + std::to_string(limits_.max_decoded_bytes) +
-                    " bytes that are allowed.",
+                "With \"" + shortened(mesh_.node_names.back()) + "\", the scene takes " + data_size(bytes_) +
+                    " in memory; the limit is " + decoded_limit(limits_.max_decoded_bytes) + ". " +
+                    kSmallerMesh,
                 {}, {{"limit", limits_.max_decoded_bytes}});
 
   mesh_.positions.insert(mesh_.positions.end(), surface.positions.begin(), surface.positions.end());
@@ -164,7 +167,8 @@ void MeshBuilder::set_tree() {
 }
 
 Expected<Mesh> MeshBuilder::finish() {
-  if (mesh_.triangles.empty()) return fail(ErrorCode::kEmptyMesh, "The file has no triangles.");
+  if (mesh_.triangles.empty())
+    return fail(ErrorCode::kEmptyMesh, "The file has no triangles. Export a mesh with faces.");
   if (mesh_.groups.empty()) mesh_.group_of_node.clear();
   set_tree();
   if (!mesh_.node_extras.empty()) mesh_.node_extras.resize(mesh_.node_names.size());

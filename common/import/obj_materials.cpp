@@ -65,8 +65,8 @@ const char* reason_to_leave_out(std::string_view keyword) {
 [[noreturn]] void refuse_materials() {
   refuse(
       ErrorCode::kTooLarge,
-      "The materials take more than " + std::to_string(kMaxLibraryBytes) +
-          " bytes in memory, which is the limit. Remove materials that no face uses, or merge those that look the same.",
+      "The materials take more than " + data_size(kMaxLibraryBytes) +
+          " in memory, which is the limit. Remove materials that no face uses, or merge those that look the same.",
       {}, {{"limit", kMaxLibraryBytes}});
 }
 

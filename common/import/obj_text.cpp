@@ -9,6 +9,7 @@
 
 #include "common/base/id.hpp"
 #include "common/base/words.hpp"
+#include "common/import/limit_words.hpp"
 #include "common/import/obj_lines.hpp"
 #include "common/import/obj_scan.hpp"
 #include "common/import/refused.hpp"
@@ -127,9 +128,8 @@ class ObjTextReader {
     bytes_ += bytes;
     if (bytes_ <= limits_.max_decoded_bytes) return;
     refuse(ErrorCode::kTooLarge,
-           "Up to line " + std::to_string(line_) + ", the OBJ has more content than the " +
-               std::to_string(limits_.max_decoded_bytes) +
-               " bytes that its lists may take. Reduce the mesh, or divide it into several files.",
+           "Up to line " + grouped(line_) + ", the OBJ takes " + data_size(bytes_) +
+               " in memory; the limit is " + decoded_limit(limits_.max_decoded_bytes) + ". " + kSmallerMesh,
            {}, {{"line", line_}, {"limit", limits_.max_decoded_bytes}});
   }
 
@@ -197,9 +197,9 @@ class ObjTextReader {
     out_.triangles += corners - 2;
     if (out_.triangles > limits_.max_triangles)
       refuse(ErrorCode::kTooLarge,
-             "Up to line " + std::to_string(line_) + ", the OBJ has " + std::to_string(out_.triangles) +
-                 " triangles; the limit is " + std::to_string(limits_.max_triangles) +
-                 ". Reduce the mesh, or divide it into several files.",
+             "Up to line " + grouped(line_) + ", the OBJ has " +
+                 counted(out_.triangles, "triangle", "triangles") + "; the limit is " +
+                 triangle_limit(limits_.max_triangles) + ". " + kSmallerMesh,
              {}, {{"line", line_}, {"triangles", out_.triangles}, {"limit", limits_.max_triangles}});
     if (object_ == kNoIndex) new_object({});
     if (out_.runs.empty() || out_.runs.back().object != object_ || out_.runs.back().material != material_) {

@@ -120,10 +120,10 @@ class OffReader {
     if (vertices > remaining / vertex_bytes || faces > remaining / face_bytes ||
         vertices * vertex_bytes + faces * face_bytes > remaining)
       refuse(ErrorCode::kMalformedMesh,
-             "The OFF file declares " + std::to_string(vertices) + " vertices (at least " +
-                 std::to_string(vertex_bytes) + " bytes each) and " + std::to_string(faces) +
-                 " faces (at least " + std::to_string(face_bytes) + "), but only " +
-                 std::to_string(remaining) + " bytes follow. Export or copy the file again.");
+             "The OFF file declares " + counted(vertices, "vertex", "vertices") + " (at least " +
+                 std::to_string(vertex_bytes) + " bytes each) and " + counted(faces, "face", "faces") +
+                 " (at least " + std::to_string(face_bytes) + "), but only " +
+                 counted(remaining, "byte follows", "bytes follow") + ". Export or copy the file again.");
     if (faces == 0) refuse(ErrorCode::kEmptyMesh, "The OFF file declares no faces.");
     limit_faces(faces, limits_);
     limit_vertices(

@@ -6,6 +6,8 @@
 #include <span>
 #include <utility>
 
+#include "common/base/words.hpp"
+#include "common/import/limit_words.hpp"
 #include "common/import/mesh_builder.hpp"
 #include "common/import/polygon_triangles.hpp"
 #include "common/import/refused.hpp"
@@ -30,8 +32,8 @@ std::string_view cut(std::string_view name) {
 
 [[noreturn]] void refuse_triangles(std::uint64_t count, const ImportLimits& limits) {
   refuse(ErrorCode::kTooLarge,
-         "The file has at least " + std::to_string(count) + " faces; the limit is " +
-             std::to_string(limits.max_triangles) + " triangles. Reduce the mesh in a modelling tool.",
+         "The file has at least " + counted(count, "face", "faces") + "; the limit is " +
+             triangle_limit(limits.max_triangles) + ". " + kSmallerMesh,
          {}, {{"triangles", count}, {"limit", limits.max_triangles}});
 }
 
@@ -195,9 +197,9 @@ void limit_faces(std::uint64_t faces, const ImportLimits& limits) {
 void limit_vertices(std::uint64_t vertices, std::uint64_t bytes, const ImportLimits& limits) {
   if (vertices < kNoIndex && vertices <= limits.max_decoded_bytes / bytes) return;
   refuse(ErrorCode::kTooLarge,
-         "The file declares " + std::to_string(vertices) + " vertices of " + std::to_string(bytes) +
-             " bytes; the limit for a mesh is " + std::to_string(limits.max_decoded_bytes) +
-             " bytes. Reduce the mesh in a modelling tool.",
+         "The file declares " + grouped(vertices) + " vertices of " + std::to_string(bytes) +
+             " bytes; the limit for a mesh is " + decoded_limit(limits.max_decoded_bytes) + ". " +
+             kSmallerMesh,
          {}, {{"limit", limits.max_decoded_bytes}});
 }
 

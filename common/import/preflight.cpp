@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "common/base/words.hpp"
+
 namespace fracture::preflight {
 namespace {
 
@@ -27,6 +29,8 @@ std::string beginning_of(std::span<const std::byte> bytes) {
   return "\"" + shown + "\"";
 }
 
+constexpr const char* kSendAgain = "Copy, download or export the file again.";
+
 }  // namespace
 
 Expected<GlbChunks> split_glb(std::span<const std::byte> bytes) {
@@ -38,32 +42,35 @@ Expected<GlbChunks> split_glb(std::span<const std::byte> bytes) {
     return fail(ErrorCode::kMalformedMesh,
                 "This is not a GLB file: it has to begin with \"glTF\" but begins with " +
                     beginning_of(bytes) + "." +
-                    (json ? " It looks like JSON: send it as format gltf (model/gltf+json)." : ""));
+                    (json ? " It looks like JSON: send it as format gltf (model/gltf+json)."
+                          : " Name the file's real format, or export it again."));
   }
   if (bytes.size() < 20)
-    return fail(ErrorCode::kMalformedMesh, "The GLB is truncated: " + std::to_string(bytes.size()) +
-                                               " bytes cannot hold its header and first chunk (20 bytes).");
+    return fail(ErrorCode::kMalformedMesh,
+                "The GLB is incomplete: it has " + counted(bytes.size(), "byte", "bytes") +
+                    ", and its header and first chunk take at least 20. " + kSendAgain);
   if (const std::uint32_t version = read_u32(bytes, 4); version != 2)
     return fail(ErrorCode::kUnsupportedFeature, "The GLB has container version " + std::to_string(version) +
                                                     "; only version 2 (glTF 2.0) is supported.");
   const std::uint64_t length = read_u32(bytes, 8);
   if (length > bytes.size())
-    return fail(ErrorCode::kMalformedMesh, "The GLB is truncated: its header at byte 8 declares " +
-                                               std::to_string(length) + " bytes, but only " +
-                                               std::to_string(bytes.size()) + " arrived.");
+    return fail(ErrorCode::kMalformedMesh, "The GLB is incomplete: its header (byte 8) declares " +
+                                               counted(length, "byte", "bytes") + ", but the file has " +
+                                               grouped(bytes.size()) + ". " + kSendAgain);
   GlbChunks chunks;
   bool have_json = false, have_bin = false;
   for (std::uint64_t at = 12; at + 8 <= length;) {
     const std::uint64_t size = read_u32(bytes, at);
     const std::uint32_t type = read_u32(bytes, at + 4);
     if (size > length - at - 8)
-      return fail(ErrorCode::kMalformedMesh, "The GLB chunk at byte " + std::to_string(at) + " declares " +
-                                                 std::to_string(size) + " bytes, more than the " +
-                                                 std::to_string(length - at - 8) + " that follow.");
+      return fail(ErrorCode::kMalformedMesh, "The GLB chunk at byte " + grouped(at) + " declares " +
+                                                 counted(size, "byte", "bytes") + ", more than the " +
+                                                 grouped(length - at - 8) + " that follow. " + kSendAgain);
     const auto body = bytes.subspan(at + 8, size);
     if (at == 12) {
       if (type != kJson)
-        return fail(ErrorCode::kMalformedMesh, "The first chunk of the GLB (byte 12) is not JSON.");
+        return fail(ErrorCode::kMalformedMesh,
+                    "The first chunk of the GLB (byte 12) is not JSON. Export the file again.");
       chunks.json = as_text(body);
       have_json = true;
     } else if (type == kBin && !have_bin) {
@@ -72,7 +79,7 @@ Expected<GlbChunks> split_glb(std::span<const std::byte> bytes) {
     }
     at += 8 + size;
   }
-  if (!have_json) return fail(ErrorCode::kMalformedMesh, "The GLB has no JSON chunk.");
+  if (!have_json) return fail(ErrorCode::kMalformedMesh, "The GLB has no JSON chunk. Export the file again.");
   return chunks;
 }
 
@@ -103,8 +110,10 @@ Expected<void> check_magic(std::span<const std::byte> bytes, MeshFormat format) 
   const std::string_view text = as_text(bytes);
   const auto begins = [&](std::string_view magic) { return text.substr(0, magic.size()) == magic; };
   const auto refuse = [&](const char* name, const char* expected) {
-    return fail(ErrorCode::kMalformedMesh, std::string("This is not a ") + name + " file: expected " +
-                                               expected + ", found " + beginning_of(bytes) + ".");
+    return fail(ErrorCode::kMalformedMesh, "This file does not have the format " + std::string(name) +
+                                               ": it should have " + expected + ", but begins with " +
+                                               beginning_of(bytes) +
+                                               ". Name the file's real format, or export it again.");
   };
   switch (format) {
     case MeshFormat::kBlend:

@@ -185,9 +185,8 @@ class Materials {
     held_ += json_bytes(made);
     if (held_ > kMaxLibraryBytes)
       refuse(ErrorCode::kTooLarge,
-             "The materials and colours of the 3MF package take more than " +
-                 std::to_string(kMaxLibraryBytes) +
-                 " bytes in memory, which is the limit. Export the file with fewer colours.",
+             "The materials and colours of the 3MF package take more than " + data_size(kMaxLibraryBytes) +
+                 " in memory, which is the limit. Export the file with fewer colours.",
              {}, {{"limit", kMaxLibraryBytes}});
     library_.materials.push_back(std::move(made));
     return slots_[key] = static_cast<std::uint32_t>(library_.materials.size() - 1);
@@ -314,7 +313,8 @@ class Importer3mf {
                                             shortened(printable(path)) + "\" contains itself.");
     if (++instances_ > kMaxInstances)
       refuse(ErrorCode::kTooLarge,
-             "The 3MF package has more than " + std::to_string(kMaxInstances) + " instances of objects.");
+             "The 3MF package has more than " + grouped(kMaxInstances) +
+                 " instances of objects, which is the limit. Divide it into several files.");
     const Object& object = found->second;
     if (object.type == "support" || object.type == "solidsupport" ||
         modifiers_.objects.contains(instance.object)) {

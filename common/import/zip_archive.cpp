@@ -11,7 +11,9 @@
 #include <utility>
 
 #include "common/base/printable.hpp"
+#include "common/base/words.hpp"
 #include "common/import/decompress.hpp"
+#include "common/import/limit_words.hpp"
 
 namespace fracture {
 namespace {
@@ -92,7 +94,7 @@ Expected<std::vector<ZipEntry>> read_zip_directory(std::span<const std::byte> ar
     return fail(
         ErrorCode::kMalformedMesh,
         "This is not a complete ZIP archive, which this format requires: it has to begin with \"PK\" and "
-        "end with its directory.");
+        "end with its directory. Copy, download or export the file again.");
   std::vector<ZipEntry> entries;
   std::uint64_t at = directory->at, decoded = 0;
   for (std::uint64_t k = 0; k < directory->entries; ++k) {
@@ -118,9 +120,9 @@ Expected<std::vector<ZipEntry>> read_zip_directory(std::span<const std::byte> ar
                                                  std::to_string(at) + ".");
     if (entry.size > max_bytes || decoded > max_bytes - entry.size)
       return fail(ErrorCode::kTooLarge,
-                  "The ZIP archive declares more than " + std::to_string(max_bytes) +
-                      " bytes of content, which is the limit: its entry " + std::to_string(k) + ", " +
-                      quoted(entry.name) + ", has " + std::to_string(entry.size) + " bytes.",
+                  "The ZIP archive declares more content than the limit of " + decoded_limit(max_bytes) +
+                      ": its entry " + std::to_string(k) + ", " + quoted(entry.name) + ", has " +
+                      data_size(entry.size) + ". " + kSmallerMesh,
                   {}, {{"limit", max_bytes}});
     decoded += entry.size;
     at += kEntry + name + extra + comment;
@@ -142,8 +144,8 @@ Expected<std::vector<std::byte>> unzip(std::span<const std::byte> archive, const
                     " in the ZIP archive is encrypted. Save the archive without a password.");
   if (entry.size > max_bytes)
     return fail(ErrorCode::kTooLarge,
-                "The file " + quoted(entry.name) + " in the ZIP archive has " + std::to_string(entry.size) +
-                    " bytes; the limit is " + std::to_string(max_bytes) + ".",
+                "The file " + quoted(entry.name) + " in the ZIP archive has " + data_size(entry.size) +
+                    "; the limit is " + decoded_limit(max_bytes) + ". " + kSmallerMesh,
                 {}, {{"limit", max_bytes}});
   if (!is_before(entry.header, kLocal, text.size()) || text.substr(entry.header, 4) != "PK\x03\x04")
     return damaged("its header should be at byte " + std::to_string(entry.header) +

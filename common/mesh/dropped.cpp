@@ -2,6 +2,7 @@
 
 #include <map>
 #include <set>
+#include <string_view>
 #include <tuple>
 #include <utility>
 
@@ -10,7 +11,7 @@
 namespace fracture {
 namespace {
 
-constexpr const char* kNotListed = "the list is limited";
+constexpr std::string_view kNotListed = " not listed";  // end of the reason of an entry for all further ones
 
 void shorten(std::string& name) {
   if (name.size() <= kLongestDroppedName) return;
@@ -35,7 +36,7 @@ void shorten_dropped(std::vector<Dropped>& list) {
     const auto [at, added] = number.emplace(entry.what, kinds.size());
     if (added) kinds.emplace_back();
     Kind& kind = kinds[at->second];
-    if (kind.listed.size() < kMostDropped || entry.reason == kNotListed)
+    if (kind.listed.size() < kMostDropped || entry.reason.ends_with(kNotListed))
       kind.listed.push_back(std::move(entry));
     else
       ++kind.further;
@@ -44,7 +45,8 @@ void shorten_dropped(std::vector<Dropped>& list) {
   for (Kind& kind : kinds) {
     const std::string what = kind.listed.front().what;
     for (Dropped& entry : kind.listed) list.push_back(std::move(entry));
-    if (kind.further > 0) list.push_back({what, grouped(kind.further) + " more", kNotListed});
+    if (kind.further > 0)
+      list.push_back({what, {}, counted(kind.further, "more is", "more are") + std::string(kNotListed)});
   }
 }
 

@@ -5,6 +5,7 @@
 #include "common/base/gathered.hpp"
 #include "common/base/nearest_name.hpp"
 #include "common/base/pacer.hpp"
+#include "common/base/printable.hpp"
 #include "common/base/words.hpp"
 #include "common/mesh/material_library.hpp"
 #include "common/mesh/part_selector.hpp"
@@ -14,12 +15,29 @@ namespace {
 
 constexpr std::size_t kListedNames = 50;  // maximum number in an error message
 
+/// The error for an entry that selects nothing. `count`: of the nodes or materials, `names`: each of their names once.
+tl::unexpected<Error> no_such(const std::string& entry, const char* parameter, const char* one,
+                              std::size_t count, const std::vector<std::string>& names) {
+  std::string detail = std::string("'") + parameter + "': this mesh has no " + one + " named '" +
+                       shortened(printable(entry)) + "', and no name matches it as a pattern.";
+  if (count == 0) {
+    detail += std::string(" It has no ") + parameter + ": leave '" + parameter + "' out.";
+  } else if (names.size() == 1) {
+    detail += " Its only name is '" + shortened(printable(names.front())) + "'.";
+  } else {
+    detail += printable(did_you_mean(entry, names)) + " Use a name from 'known' (nearest first)" +
+              (count > 1 ? ", or an index from 0 to " + grouped(count - 1) + "." : ".");
+  }
+  return fail(ErrorCode::kBadParameter, std::move(detail), parameter,
+              {{"known", nearest_names(entry, names, kListedNames)}});
+}
+
 /// Marks what the entries select; everything if there are none.
 /// `mark(entry, marked)`: SceneNames::mark_nodes() or mark_slots().
 template <class Mark>
 Expected<std::vector<bool>> chosen(const std::vector<std::string>& entries, const SceneNames& scene,
                                    std::size_t count, const std::vector<std::string>& names,
-                                   const char* parameter, const Mark& mark) {
+                                   const char* parameter, const char* one, const Mark& mark) {
   std::vector<bool> result(count, entries.empty());
   for (const std::string& entry : entries) {
     if (mark(entry, result)) continue;
@@ -29,11 +47,7 @@ Expected<std::vector<bool>> chosen(const std::vector<std::string>& entries, cons
                       grouped(kMostNameSteps) +
                       " comparisons with the names of this mesh. Give simpler patterns.",
                   parameter);
-    return fail(ErrorCode::kBadParameter,
-                "'" + entry.substr(0, 80) + "' is neither a name or a pattern of names in '" +
-                    std::string(parameter) + "' of this mesh nor an index below " + std::to_string(count) +
-                    ". The member 'known' lists the names, nearest first.",
-                parameter, {{"known", nearest_names(entry, names, kListedNames)}});
+    return no_such(entry, parameter, one, count, names);
   }
   return result;
 }
@@ -101,11 +115,11 @@ Expected<void> restrict_to(Mesh& mesh, const PartSelection& selection, const Exe
   Pacer pacer(execution);
   SceneNames scene(mesh);
   const Expected<std::vector<bool>> nodes = chosen(
-      selection.nodes, scene, scene.node_count(), scene.nodes(), "nodes",
+      selection.nodes, scene, scene.node_count(), scene.nodes(), "nodes", "node",
       [&](const std::string& entry, std::vector<bool>& marked) { return scene.mark_nodes(entry, marked); });
   if (!nodes) return tl::unexpected<Error>(nodes.error());
   const Expected<std::vector<bool>> materials = chosen(
-      selection.materials, scene, scene.slot_count(), scene.slots(), "materials",
+      selection.materials, scene, scene.slot_count(), scene.slots(), "materials", "material",
       [&](const std::string& entry, std::vector<bool>& marked) { return scene.mark_slots(entry, marked); });
   if (!materials) return tl::unexpected<Error>(materials.error());
 

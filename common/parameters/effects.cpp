@@ -75,7 +75,7 @@ Why instances(const Asked& a) {
 
 Why grain(const Asked& a) {
   if (a.fracture.anisotropy.stretch != 1) return {};
-  return "pieces are as long as wide. Give a 'stretch' other than 1.";
+  return "pieces are as long as they are wide. Give a 'stretch' other than 1.";
 }
 
 Why grain_of(const Asked& a) {

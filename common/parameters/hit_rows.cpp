@@ -3,6 +3,7 @@
 #include <numeric>
 #include <string_view>
 
+#include "common/base/words.hpp"
 #include "common/parameters/fields.hpp"
 #include "common/parameters/parameters.hpp"
 #include "common/parameters/rows.hpp"
@@ -144,19 +145,22 @@ std::vector<ParameterSpec> hit_parameter_rows() {
 std::optional<Error> complete_hits(RequestParameters& r) {
   FractureParameters& f = r.fracture;
   if (r.local_point.empty() != r.local_radius.empty())
-    return bad_parameter(
-        r.local_point.empty() ? "local_point" : "local_radius",
-        "'local_point' and 'local_radius' together define a hit, but one of them is missing. Give both.");
+    return r.local_point.empty()
+               ? bad_parameter(
+                     "local_point",
+                     "'local_point' is missing. Give it with 'local_radius': where the hit is, in metres.")
+               : bad_parameter(
+                     "local_radius",
+                     "'local_radius' is missing. Give it with 'local_point': how far the hit reaches, in metres.");
   const std::size_t points = r.local_point.size();
   if (points > 0) {
     if (auto wrong = spread("local_radius", r.local_radius, points)) return wrong;
     if (auto wrong = spread("local_sites", r.local_sites, points)) return wrong;
     const std::uint64_t sites = std::accumulate(r.local_sites.begin(), r.local_sites.end(), std::uint64_t{0});
     if (sites > kMostHitSites)
-      return bad_parameter("local_sites", "All hits together can have at most " +
-                                              std::to_string(kMostHitSites) +
-                                              " sites, but 'local_sites' gives them " +
-                                              std::to_string(sites) + ". Lower 'local_sites'.");
+      return bad_parameter("local_sites", "All hits together can have at most " + grouped(kMostHitSites) +
+                                              " sites, but 'local_sites' gives them " + grouped(sites) +
+                                              ". Lower 'local_sites'.");
   }
   f.hits.clear();
   for (std::size_t k = 0; k < points; ++k)

@@ -3,6 +3,8 @@
 #include <string>
 #include <utility>
 
+#include "common/base/words.hpp"
+
 namespace fracture {
 namespace {
 
@@ -26,7 +28,9 @@ Expected<std::vector<RawParameter>> read_parameters(std::string_view text, std::
   const std::string subject = "The " + std::string(what);
   if (text.size() > kOfRequest.text)
     return fail(ErrorCode::kBadJson,
-                subject + " is larger than " + std::to_string(kOfRequest.text) + " bytes.", "params");
+                subject + " has " + counted(text.size(), "byte", "bytes") + "; the limit is " +
+                    grouped(kOfRequest.text) + ". Give fewer or shorter parameters.",
+                "params");
   auto read = read_json(text, {.depth = kParameterDepth, .bytes = kOfRequest.held});
   if (!read && read.error().kind == JsonFault::Kind::kRepeated)
     return fail(ErrorCode::kBadParameter, subject + " " + to_text(read.error()) + ".", read.error().name);
@@ -34,7 +38,9 @@ Expected<std::vector<RawParameter>> read_parameters(std::string_view text, std::
     return fail(ErrorCode::kBadJson, subject + " " + to_text(read.error()) + ".", "params");
   if (!read || !read->value.is_object())
     return fail(ErrorCode::kBadJson,
-                subject + " is not a single JSON object such as {\"sites\": 50, \"seed\": 1}.", "params");
+                subject + " " + (read ? std::string("is not a JSON object") : to_text(read.error())) +
+                    ". It must be a single JSON object such as {\"sites\": 50, \"seed\": 1}.",
+                "params");
   std::vector<RawParameter> given;
   given.reserve(read->members.size());
   for (const std::string& name : read->members) given.push_back({name, std::move(read->value[name]), false});

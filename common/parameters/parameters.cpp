@@ -41,7 +41,7 @@ nlohmann::json canonical(const RequestParameters& parameters, bool with_idle, co
 }
 
 /// Limits for the error response, because a request can contain thousands of errors.
-constexpr std::size_t kMostOffences = 16, kMostNames = 20;
+constexpr std::size_t kMostOffences = 16;
 
 /// Collects the errors of a request.
 class Offences {
@@ -85,14 +85,16 @@ class Offences {
 
 using Given = std::map<std::string, const RawParameter*>;
 
-/// Returns the error text. Only the first such error lists the nearest parameters.
+/// Returns the error text. Only the first such error says where all parameters are listed.
 std::string unknown_parameter(const std::vector<std::string>& known, const std::string& name, bool first) {
-  const std::optional<std::string> nearest = parameter_meant_by(name, known);
-  return "There is no parameter '" + shown(name) + "'." + (nearest || first ? " " : "") +
-         (nearest ? "Did you mean '" + *nearest + "'?" : std::string()) + (nearest && first ? " " : "") +
-         (first ? "The closest of the " + std::to_string(known.size()) + " parameters are " +
-                      join(nearest_names(name, known, kMostNames)) +
-                      "; GET /limits and `fracture-server bake --help` list all of them."
+  const std::optional<std::string> meant = parameter_meant_by(name, known);
+  const std::string near = did_you_mean(name, known);
+  // A synonym is better than names that are only spelt like it.
+  const bool synonym = meant && near.find("'" + *meant + "'") == std::string::npos;
+  return "There is no parameter '" + shown(name) + "'." +
+         (synonym ? " Did you mean '" + *meant + "'?" : near) +
+         (first ? " GET /limits and `fracture-server bake --help` list all " + std::to_string(known.size()) +
+                      " parameters."
                 : std::string());
 }
 
@@ -209,7 +211,8 @@ class ParameterTable::Parsing {
   void add(ErrorCode code, const RawParameter& raw, const std::string& place, std::string detail,
            const std::string& inside = {}) {
     if (place.empty()) return offences_.add(code, raw, std::move(detail), inside);
-    offences_.add(code, {"assign", {}, false}, std::move(detail), place + "/" + raw.name + inside);
+    const std::string entry = "Entry " + std::to_string(1 + std::stoul(place.substr(1))) + " of 'assign': ";
+    offences_.add(code, {"assign", {}, false}, entry + detail, place + "/" + raw.name + inside);
   }
 
   /// Applies values in the order of the table: the material, then the pattern, then the pattern's parameters. Parameters that are

@@ -330,7 +330,9 @@ std::optional<Error> complete_structure(RequestParameters& r) {
   if (r.keep_center.has_value() != r.keep_radius.has_value())
     return bad_parameter(
         r.keep_center ? "keep_radius" : "keep_center",
-        "'keep_center' and 'keep_radius' together define a sphere, but one of them is missing. Give both.");
+        r.keep_center
+            ? "'keep_radius' is missing. Give it with 'keep_center': the radius of the kept sphere, in metres."
+            : "'keep_center' is missing. Give it with 'keep_radius': the centre of the kept sphere, in metres.");
   if (r.keep_center && f.keep)
     return bad_parameter(
         "keep_box",

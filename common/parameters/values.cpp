@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "common/base/utf8.hpp"
+#include "common/base/words.hpp"
 #include "common/parameters/assignments.hpp"
 #include "common/parameters/groups.hpp"
 
@@ -168,6 +169,27 @@ bool is_vector(ParameterSpec::Type type) {
 
 }  // namespace
 
+namespace {
+
+/// Groups the digits of whole limits, and writes other limits with as few digits as possible.
+std::string limit_in_words(double limit) {
+  const double size = std::fabs(limit);
+  if (!(size >= 1000 && size < 1e9) || size != std::floor(size)) return shortest(limit);
+  return (limit < 0 ? "-" : "") + grouped(static_cast<std::uint64_t>(size));
+}
+
+/// Returns all choices, or the first ones and where the others are listed.
+std::string choices_in_words(const std::vector<std::string>& choices) {
+  constexpr std::size_t kMostListed = 20, kShown = 6;
+  if (choices.size() <= kMostListed) return join(choices);
+  std::string first;
+  for (std::size_t k = 0; k < kShown; ++k) first += choices[k] + ", ";
+  return first + "or another of the " + grouped(choices.size()) +
+         " values that GET /limits and `--help` list";
+}
+
+}  // namespace
+
 std::string join(const std::vector<std::string>& words) {
   std::string s;
   for (std::size_t i = 0; i < words.size(); ++i)
@@ -205,12 +227,12 @@ std::optional<double> to_number(const nlohmann::json& value, bool is_text) {
 }
 
 std::string expectation(const ParameterSpec& spec) {
-  const std::string range = "from " + shortest(spec.low) + " to " + shortest(spec.high);
+  const std::string range = "from " + limit_in_words(spec.low) + " to " + limit_in_words(spec.high);
   switch (spec.type) {
     case ParameterSpec::Type::kInteger:
-      return "a whole number from " + std::to_string(spec.min) + " to " + std::to_string(spec.max);
+      return "a whole number from " + grouped(spec.min) + " to " + grouped(spec.max);
     case ParameterSpec::Type::kIntegers:
-      return "whole numbers from " + std::to_string(spec.min) + " to " + std::to_string(spec.max) +
+      return "whole numbers from " + grouped(spec.min) + " to " + grouped(spec.max) +
              ", as text a,b,c or as JSON [a, b, c]";
     case ParameterSpec::Type::kNumber:
       return "a number " + range;
@@ -227,8 +249,8 @@ std::string expectation(const ParameterSpec& spec) {
     case ParameterSpec::Type::kDirection:
       return "three numbers " + range + ", not all zero, as text x,y,z or as JSON [x, y, z]";
     case ParameterSpec::Type::kVectors:
-      return std::to_string(spec.min) + " to " + std::to_string(spec.max) + " vectors of three numbers " +
-             range + ", as text x,y,z;x,y,z or as JSON [[x, y, z], ...]";
+      return grouped(spec.min) + (spec.min == spec.max ? "" : " to " + grouped(spec.max)) +
+             " vectors of three numbers " + range + ", as text x,y,z;x,y,z or as JSON [[x, y, z], ...]";
     case ParameterSpec::Type::kMatrix:
       return "three rows of three numbers " + range +
              ", as text a,b,c;d,e,f;g,h,i or as JSON [[a, b, c], ...]";
@@ -257,7 +279,8 @@ Expected<ParameterValue> to_value(const ParameterSpec& spec, const RawParameter&
   else if (std::optional<ParameterValue> scalar = to_scalar(spec, raw))
     value = std::move(*scalar);
   else
-    return wrong("be " + expectation(spec));
+    return wrong("be " + (spec.type == ParameterSpec::Type::kChoice ? choices_in_words(spec.choices)
+                                                                    : expectation(spec)));
   if (!value) return value;
   // A direction must have a length by which it can be divided.
   if (spec.type == ParameterSpec::Type::kDirection && !(length(std::get<Vec3d>(*value)) > 1e-9))

@@ -6,6 +6,7 @@
 #include <variant>
 
 #include "common/base/pacer.hpp"
+#include "common/base/words.hpp"
 #include "common/pipeline/kept_space.hpp"
 #include "common/sites/column_sampler.hpp"
 
@@ -82,9 +83,9 @@ Expected<SitePlan> plan_enough_sites(const SeenSolid& solid, const FractureParam
     more.sites = std::max(wanted, std::min(kMaxPatternSites, 2 * wanted));
     if (more.sites > parameters.most_sites)
       return fail(ErrorCode::kTooComplex,
-                  "For " + std::to_string(wanted) + " fragments this pattern needs " +
-                      std::to_string(more.sites) + " sites, and the limit is " +
-                      std::to_string(parameters.most_sites) + ". Ask for fewer fragments.",
+                  "For " + counted(wanted, "fragment", "fragments") + ", this pattern needs " +
+                      grouped(more.sites) + " sites; " + site_limit(parameters.most_sites) +
+                      ". Ask for fewer fragments.",
                   "fragments");
   }
   std::optional<KeptSpace> kept;

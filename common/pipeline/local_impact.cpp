@@ -12,6 +12,7 @@
 #include "common/bvh/surface_tree.hpp"
 #include "common/pipeline/aggregate.hpp"
 #include "common/pipeline/hit_region.hpp"
+#include "common/sites/request_places.hpp"
 
 namespace fracture {
 namespace {
@@ -114,15 +115,22 @@ std::vector<std::uint32_t> group_sites(const std::vector<Vec3d>& points, const V
 }
 
 /// Adds a remark about sites of a hit that did not fit near it.
-void add_remark(std::size_t hit, std::size_t missing, std::size_t asked, double radius, Remarks& remarks) {
-  const std::string where = " in the solid within " + short_number(radius) + " m of it";
-  if (missing == asked)
-    remarks.warn("Hit " + grouped(hit) + " breaks nothing off, because there is no room for its sites" +
-                 where + ". Move 'local_point' onto the mesh, or give a larger 'local_radius'.");
-  else
+void add_remark(const Solid& solid, const LocalImpact& impact, std::size_t hit, std::size_t missing,
+                std::size_t asked, Remarks& remarks, const Execution& execution) {
+  const std::string where = " in the solid within " + short_number(impact.radius) + " m of it";
+  if (missing == asked) {
+    if (const auto far = far_place(solid, impact.point, impact.radius, "local_point", execution))
+      remarks.warn("Hit " + grouped(hit) + " breaks nothing off, because " + far->place + " is " +
+                   short_number(far->distance) + " m from the mesh and its 'local_radius' is " +
+                   short_number(impact.radius) + " m. " + far->correction);
+    else
+      remarks.warn("Hit " + grouped(hit) + " breaks nothing off, because there is no room for its sites" +
+                   where + ". Give a larger 'local_radius'.");
+  } else {
     remarks.note("Hit " + grouped(hit) + ": " + grouped(missing) + " of " + counted(asked, "site", "sites") +
                  (missing == 1 ? " was" : " were") + " left out, because there is no more room" + where +
                  ".");
+  }
 }
 
 /// The cells of a hit end at this distance from a region to keep, in radii. It differs from hit to hit, so that cuts of two hits do not
@@ -257,7 +265,7 @@ Expected<HitCells> cells_of_hit(const Solid& solid, const SiteParameters& parame
   std::vector<Vec3d>& points = planned.points;
   cells.asked = static_cast<std::uint32_t>(planned.asked);
   if (const std::size_t missing = planned.asked - planned.near_the_point; missing > 0)
-    add_remark(number + 1, missing, planned.asked, hit.radius, remarks);
+    add_remark(solid, hit, number + 1, missing, planned.asked, remarks, execution);
   if (region && region->reaches(center, radius) && planned.near_the_point > 0)
     add_remark_on_region(number + 1, points.empty(), remarks);
   if (points.empty()) return cells;
@@ -340,9 +348,9 @@ Expected<void> check_sites_of_hits(const SiteParameters& parameters, std::span<c
     all += std::uint64_t{cells_per_fragment(parameters)} * hits[k].sites;
     if (all > parameters.most_sites)
       return fail(ErrorCode::kTooComplex,
-                  "With hit " + std::to_string(k + 1) + " there would be " + std::to_string(all) +
-                      " sites. The limit for the pattern and all hits together is " +
-                      std::to_string(parameters.most_sites) + ".",
+                  "With hit " + grouped(k + 1) + ", there would be " + grouped(all) +
+                      " sites. For the pattern and all hits together, " + site_limit(parameters.most_sites) +
+                      ". Lower 'local_sites', or give fewer hits.",
                   "local_sites");
   }
   return {};

@@ -8,6 +8,7 @@
 #include "common/base/words.hpp"
 #include "common/physics/hull_trim.hpp"
 #include "common/physics/principal_axes.hpp"
+#include "common/pipeline/fewer_fragments.hpp"
 #include "common/pipeline/kept_instances.hpp"
 #include "common/pipeline/unnamed_nodes.hpp"
 
@@ -27,9 +28,6 @@ void report_sites(const Solid& solid, const SiteNotes& sites, const FragmentSet&
         "The mesh is far from the origin relative to its size, so coordinates in the answer are rounded by up to "
         "1/100,000 of the size. Small details may be ragged. Move the mesh nearer to the origin.");
 }
-
-/// A kept share above this is everything but rounding.
-constexpr double kAllKept = 1 - 1e-9;
 
 /// `volumes` must be ascending.
 VolumeDistribution volume_distribution(const std::vector<double>& volumes) {
@@ -65,34 +63,6 @@ CutCells::Whole sizes_of(const FragmentSet& set, const Execution& execution) {
   return sizes;
 }
 
-/// Names of the size limits that are set.
-std::string names_of(const SizeLimits& size) {
-  std::string names;
-  const auto add = [&](bool given, const char* name) {
-    if (given) names += std::string(names.empty() ? "'" : ", '") + name + "'";
-  };
-  add(size.min_volume > 0, "min_volume");
-  add(size.min_fraction > 0, "min_fraction");
-  add(size.min_of_mean > 0, "min_of_mean");
-  add(size.fragments > 0, "fragments");
-  add(size.max_fragments > 0, "max_fragments");
-  add(size.max_triangles > 0, "max_triangles");
-  return names;
-}
-
-std::string fewer_fragments(const SizeLimits& size, const FragmentSet& set) {
-  if (const std::uint64_t united = set.certificate.united, crossing = united - set.size.united;
-      united > set.size.united)
-    return counted(crossing, "piece has no volume of its own", "pieces have no volume of their own") +
-           ", because the surface crosses itself. Ask for more fragments, or repair the surface in a modelling tool.";
-  SizeLimits others = size;
-  others.fragments = 0;
-  const std::string names = names_of(others);
-  return "the pattern has no more cells, or size limits or a kept region allow no more pieces. Ask for more "
-         "'sites'" +
-         (names.empty() ? "." : ", or lower the limits (" + names + ").");
-}
-
 std::string more_fragments(std::uint32_t asked, bool together, bool instances, const FragmentSet& set) {
   const std::uint32_t parts = set.size.parts;
   const std::string at_least = " Ask for at least " + grouped(parts > asked ? parts : set.fragments.size());
@@ -108,8 +78,9 @@ std::string more_fragments(std::uint32_t asked, bool together, bool instances, c
          ", or repair the mesh so that " + (parts > 1 ? "its parts are joined." : "they touch.");
 }
 
-/// Explains the number of fragments if it is off by more than a tenth. `instances`: whether some may stay whole.
-void report_fragments(std::uint32_t asked, const FractureParameters& p, bool instances,
+/// Explains the number of fragments if it is off by more than a tenth. `instances`: whether some may stay whole. `kept_share`: of
+/// the kept region.
+void report_fragments(std::uint32_t asked, const FractureParameters& p, bool instances, double kept_share,
                       const FragmentSet& set, Remarks& remarks) {
   const std::size_t made = set.fragments.size();
   if (asked == 0 || (10 * made <= 11 * std::uint64_t{asked} && 10 * made >= 9 * std::uint64_t{asked})) return;
@@ -119,12 +90,28 @@ void report_fragments(std::uint32_t asked, const FractureParameters& p, bool ins
     remarks.note(both + ", because 'max_fragments' allows no more.");
   else
     remarks.warn(both + ", because " +
-                 (made < asked ? fewer_fragments(p.size, set)
+                 (made < asked ? why_fewer(asked, p, kept_share, instances, set)
                                : more_fragments(asked, p.parts == Parts::kTogether, instances, set)));
 }
 
+/// Share of the largest fragment that is known to be the kept region.
+constexpr double kMostOfIt = 0.999;
+
+/// Explains a fragment above 'max_volume' and says what to do, after "because ". `is_kept`: whether it is the kept region.
+std::string why_larger(const FractureParameters& p, const SplitFigures& split, bool is_kept) {
+  if (p.keep && is_kept)
+    return "the region of " + names_of(*p.keep) + " stays whole. Make the region smaller.";
+  if (!p.hits.empty() && p.rest == LocalRest::kWhole)
+    return "local_rest=whole keeps the rest of each part in one piece. Use local_rest=fractured.";
+  if (split.too_large > 0)
+    return "dividing it further would take too many passes or sites. Use a larger 'max_volume'.";
+  if (p.size.any())
+    return "pieces were merged to meet " + names_of(p.size) + ". Change this, or use a larger 'max_volume'.";
+  return "its pieces were joined. Use a larger 'max_volume'.";
+}
+
 void report_size(const FractureParameters& p, bool instances, const SplitFigures& split,
-                 const CutCells::Whole& sizes, const FragmentSet& set, Report& report) {
+                 const CutCells::Whole& sizes, double kept_share, const FragmentSet& set, Report& report) {
   const std::vector<double>& volumes = sizes.volumes;
   const std::uint64_t triangles = sizes.triangles;
   const double largest = volumes.empty() ? 0 : volumes.back();
@@ -134,7 +121,7 @@ void report_size(const FractureParameters& p, bool instances, const SplitFigures
     remarks.note(counted(alone, "piece is", "pieces are") + " smaller than " +
                  short_number(set.size.min_volume) + " m³ and " + (alone == 1 ? "touches" : "touch") +
                  " no other piece, so " + (alone == 1 ? "it stays as it is." : "they stay as they are."));
-  report_fragments(p.hits.empty() ? p.size.fragments : 0, p, instances, set, remarks);
+  report_fragments(p.hits.empty() ? p.size.fragments : 0, p, instances, kept_share, set, remarks);
   if (p.hits.empty() && p.size.max_fragments > 0 && set.fragments.size() > p.size.max_fragments)
     remarks.warn(
         "The answer has " + counted(set.fragments.size(), "fragment", "fragments") +
@@ -142,23 +129,20 @@ void report_size(const FractureParameters& p, bool instances, const SplitFigures
         ": the remaining ones touch nothing that they could be merged with. Allow more, or join the parts of "
         "the mesh in a modelling tool.");
   if (p.hits.empty() && p.size.max_triangles > 0 && triangles > p.size.max_triangles)
-    remarks.warn(
-        "The fragments have " + counted(triangles, "triangle", "triangles") +
-        ", although 'max_triangles' is " + grouped(p.size.max_triangles) +
-        ". Nothing was merged to meet this limit, because " + grouped(set.size.fewest_triangles) +
-        " would be left even if everything were merged. Allow at least as many, or simplify the mesh.");
+    remarks.warn("The fragments have " + counted(triangles, "triangle", "triangles") +
+                 ", although 'max_triangles' is " + grouped(p.size.max_triangles) +
+                 ". Nothing was merged to meet this limit, because " + grouped(set.size.fewest_triangles) +
+                 " would be left even if everything were merged. Set 'max_triangles' to at least " +
+                 grouped(set.size.fewest_triangles) + ", or simplify the mesh.");
   if (p.max_volume > 0 && largest > p.max_volume)
-    remarks.warn(
-        "The largest fragment has a volume of " + short_number(largest) + " m³, although 'max_volume' is " +
-        short_number(p.max_volume) +
-        " m³: it was merged or kept whole, or dividing it would take too many passes or sites. Ask for "
-        "more 'sites', or lower the limits that merge pieces.");
+    remarks.warn("The largest fragment has a volume of " + short_number(largest) +
+                 " m³, although 'max_volume' is " + short_number(p.max_volume) + " m³, because " +
+                 why_larger(p, split, kept_share * report.solid.volume >= kMostOfIt * largest));
 }
 
 void report_kept(const FractureParameters& p, const CutCells& cut, Report& report) {
   if (!p.keep) return;
-  const std::string name =
-      p.keep->shape == Region::Shape::kBox ? "'keep_box'" : "'keep_center' and 'keep_radius'";
+  const std::string name = names_of(*p.keep);
   if (p.dual == Dual::kBarycenter) {
     report.remarks.warn("dual=barycenter keeps no region whole, so " + name +
                         " had no effect. Leave out either this or 'dual'.");
@@ -214,7 +198,7 @@ void report_roughness(const FractureParameters& p, const CutCells& cut, Report& 
     cuts.amplitude = 0;
     remarks.warn(
         "The cuts are flat, because too many triangles of rough cuts would cross each other: pieces are much "
-        "longer than wide, or smaller than the amplitude. Ask for fewer sites, or for a smaller "
+        "longer than they are wide, or smaller than the amplitude. Ask for fewer sites, or for a smaller "
         "'rough_amplitude' or 'rough_frequency'.");
     return;
   }
@@ -268,7 +252,7 @@ Report make_report(const Solid& solid, const SiteNotes& sites, const FracturePar
   Report report;
   report_sites(solid, sites, set, report);
   const CutCells::Whole whole = cut.whole ? *cut.whole : sizes_of(set, execution);
-  report_size(parameters, may_keep_instances(solid, parameters), sites.split, whole, set, report);
+  report_size(parameters, may_keep_instances(solid, parameters), sites.split, whole, cut.kept_share, set, report);
   if (solid.source) add_unnamed_nodes(*solid.source, whole.nodes, set, report.dropped, execution);
   report_kept(parameters, cut, report);
   report_structure(anchored, report);

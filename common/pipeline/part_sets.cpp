@@ -240,9 +240,8 @@ Expected<Diagram> diagram_of_sets(const Solid& solid, const FractureParameters& 
   }
   if (whole.sites.size() > parameters.most_sites)
     return fail(ErrorCode::kTooComplex,
-                "The parts of all materials together have " + std::to_string(whole.sites.size()) +
-                    " sites; at most " + std::to_string(parameters.most_sites) +
-                    " are allowed. Ask for fewer fragments.",
+                "The parts of all materials together have " + grouped(whole.sites.size()) + " sites; " +
+                    site_limit(parameters.most_sites) + ". Ask for fewer fragments.",
                 "sites");
   t.points.resize(t.points.size() + 4);  // the corners, which nothing reads
   whole.map = CellMap::joined(maps, set_of_part, in_set);

@@ -323,7 +323,9 @@ Expected<SitePlan> generate(const Task& task, const BrickPattern& pattern, const
       const Courses courses(place.box, brick, pattern.bond, pattern.cell.has_value());
       cells += courses.cells();
       if (cells > (pattern.cell ? task.most_sites : kMostCells)) {
-        if (pattern.cell || tried == kMostScales) return too_many_sites(task, cells);
+        if (pattern.cell || tried == kMostScales)
+          return pattern.cell ? too_many_sites(task, cells, "brick", "cell", "a larger")
+                              : too_many_sites(task, cells, "brick");
         break;
       }
       courses.lay(task, sampler, place.of_parts, pattern.jitter, random, bricks);
@@ -343,7 +345,9 @@ Expected<SitePlan> generate(const Task& task, const BrickPattern& pattern, const
                            : std::fmax(1.05, 1 / power(most / count, 1.0 / 3));
   }
   if (bricks.cells.size() > task.most_sites)
-    return too_many_sites(task, static_cast<double>(bricks.cells.size()));
+    return pattern.cell
+               ? too_many_sites(task, static_cast<double>(bricks.cells.size()), "brick", "cell", "a larger")
+               : too_many_sites(task, static_cast<double>(bricks.cells.size()), "brick");
   SitePlan plan = break_up(task, pattern, std::move(bricks), random);
   add_remarks(places, pattern.cell ? 1 : scale, plan);
   return plan;

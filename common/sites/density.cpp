@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "common/base/pacer.hpp"
+#include "common/base/printable.hpp"
 #include "common/bvh/surface_tree.hpp"
 #include "common/mesh/material_library.hpp"
 #include "common/sites/generators.hpp"
@@ -17,8 +18,10 @@ constexpr double kRoundingOfDistances = 1e-12;  // relative to the largest coord
 /// candidates per wanted site on average.
 constexpr double kMostLooks = 64;
 
-tl::unexpected<Error> unknown(const std::string& from, const std::string& why) {
-  return fail(ErrorCode::kBadParameter, "'density_from': " + why + " ('" + from.substr(0, 80) + "').",
+tl::unexpected<Error> unknown(const std::string& from, const std::string& why,
+                              const std::string& advice = "Use another one, or leave 'density_from' out.") {
+  return fail(ErrorCode::kBadParameter,
+              "'density_from': " + why + " ('" + shortened(printable(from)) + "'). " + advice,
               "density_from");
 }
 
@@ -66,10 +69,12 @@ Expected<Density> Density::make(const Solid& solid, const std::string& from, con
   const bool color = from.size() == 7 && from.rfind("COLOR_", 0) == 0 && from[6] >= '0' && from[6] <= '7';
   const auto set = static_cast<std::size_t>(color ? from[6] - '0' : 0);
   if (color && (set >= mesh.attributes.colors.size() || mesh.attributes.colors[set].empty()))
-    return unknown(from, "the mesh has no such vertex colours");
+    return unknown(from, "the mesh has no such vertex colours",
+                   "Use a colour set or a material that it has.");
   const std::uint32_t material = color ? kNoIndex : material_of(mesh, from);
   if (!color && material == kNoIndex)
-    return unknown(from, "the mesh has no vertex colours and no material of that name");
+    return unknown(from, "this is neither a colour set (COLOR_0 to COLOR_7) nor a material of the mesh",
+                   "`fracture-server inspect --json` and GET /meshes/{id} list its materials.");
   for (std::uint32_t t = 0; t < solid.triangles.size(); ++t) {
     pacer.step(4);
     if (solid.wedges[t][0] == kNoIndex) continue;

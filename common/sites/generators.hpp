@@ -90,7 +90,9 @@ inline constexpr int kDraws = 64;
 std::vector<Vec3d> points_near_parts(const Task& task, std::span<const Vec3d> impacts, double radius,
                                      double exponent, const PartShares& shares, std::uint32_t count);
 
-/// Error of a pattern that would generate `sites` sites.
-tl::unexpected<Error> too_many_sites(const Task& task, double sites);
+/// Error of a pattern that would generate `sites` sites. `parameter` sets their number, and `change` says how to get fewer: "a
+/// larger". For 'sites', the advice is always to ask for fewer.
+tl::unexpected<Error> too_many_sites(const Task& task, double sites, const char* pattern,
+                                     const char* parameter = "sites", const char* change = "");
 
 }  // namespace fracture::sites_detail

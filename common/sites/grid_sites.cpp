@@ -51,7 +51,9 @@ Expected<SitePlan> generate(const Task& task, const GridPattern& pattern, const 
   for (int a = 0; a < 3; ++a)
     d[a] = pattern.cell ? covering(box.min[a], box.max[a], (*pattern.cell)[a])
                         : fitted(box.min[a], box.max[a], scale);
-  if (product(d) > task.most_sites) return too_many_sites(task, product(d));
+  if (product(d) > task.most_sites)
+    return pattern.cell ? too_many_sites(task, product(d), "grid", "cell", "a larger")
+                        : too_many_sites(task, product(d), "grid");
   Random random(task.seed ^ kGridStream);
   std::array<std::vector<double>, 3> at;
   for (int a = 0; a < 3; ++a) at[a] = coordinates(d[a], pattern.jitter, random);

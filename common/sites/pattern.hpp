@@ -210,6 +210,9 @@ struct SitePlan {
   double clearance = 0;
 };
 
+/// Returns "the limit is 100,000 (--max-sites of a server)".
+std::string site_limit(std::uint64_t most);
+
 /// Number of cells per fragment: the number in Aggregation, reduced if kMaxPatternSites requires it. 1 if the
 /// pattern does not support aggregates.
 std::uint32_t cells_per_fragment(const SiteParameters& parameters);

@@ -1,5 +1,7 @@
 #include <algorithm>
 #include <cmath>
+#include <string>
+#include <string_view>
 
 #include "common/base/hilbert_curve.hpp"
 #include "common/base/pacer.hpp"
@@ -183,15 +185,24 @@ double boxes_in(const Vec3d& sides, const Vec3d& cell) {
   return n;
 }
 
-tl::unexpected<Error> too_many_sites(const Task& task, double sites) {
+tl::unexpected<Error> too_many_sites(const Task& task, double sites, const char* pattern,
+                                     const char* parameter, const char* change) {
+  const std::string name = std::string("'") + parameter + "'";
+  const bool by_number = std::string_view(parameter) == "sites";
   return fail(ErrorCode::kTooComplex,
-              "The pattern needs " + std::to_string(static_cast<std::uint64_t>(std::fmin(sites, 1e15))) +
-                  " sites for this mesh; at most " + std::to_string(task.most_sites) +
-                  " are allowed. Ask for larger cells or fewer rings and spokes.",
-              "pattern");
+              std::string("pattern=") + pattern + (by_number ? "" : " with this " + name) + " needs " +
+                  grouped(static_cast<std::uint64_t>(std::fmin(sites, 1e15))) + " sites for this mesh; " +
+                  site_limit(task.most_sites) + ". " +
+                  (by_number ? std::string("Ask for fewer fragments or 'sites'.")
+                             : std::string("Use ") + change + " " + name + "."),
+              parameter);
 }
 
 }  // namespace sites_detail
+
+std::string site_limit(std::uint64_t most) {
+  return "the limit is " + grouped(most) + " (--max-sites of a server)";
+}
 
 bool is_scattered(const SitePattern& pattern) {
   return std::holds_alternative<UniformPattern>(pattern) || std::holds_alternative<ImpactPattern>(pattern) ||
@@ -229,14 +240,15 @@ Expected<SitePlan> plan_sites(const SeenSolid& solid, const SiteParameters& p, c
   const std::uint32_t cells = cells_per_fragment(p), count = std::max(1u, p.sites) * cells;
   if (cells == 1 && is_scattered(p.pattern) && count > p.most_sites)
     return fail(ErrorCode::kTooComplex,
-                std::to_string(count) + " sites are requested; at most " + std::to_string(p.most_sites) +
-                    " are allowed.",
+                counted(count, "site is", "sites are") + " requested; " + site_limit(p.most_sites) +
+                    ". Ask for fewer 'sites'.",
                 "sites");
   if (cells > 1 && count > p.most_sites)
     return fail(ErrorCode::kTooComplex,
-                std::to_string(p.sites) + " fragments of " + std::to_string(cells) + " cells each need " +
-                    std::to_string(count) + " sites; at most " + std::to_string(p.most_sites) +
-                    " are allowed. Ask for fewer fragments, or for fewer 'cells_per_fragment'.",
+                counted(p.sites, "fragment of ", "fragments of ") + std::to_string(cells) +
+                    (p.sites == 1 ? " cells needs " : " cells each need ") + grouped(count) + " sites; " +
+                    site_limit(p.most_sites) +
+                    ". Ask for fewer fragments, or for fewer 'cells_per_fragment'.",
                 "cells_per_fragment");
   Task task{solid.seen(), solid, count, p.seed, execution, p.most_sites, p.anisotropy, cells};
   std::optional<sites_detail::Density> density;

@@ -164,6 +164,13 @@ struct WheelPlace {
   bool whole = true;  ///< the wheel breaks the whole solid
 };
 
+/// Error of a wheel with too many sites.
+tl::unexpected<Error> too_many(const Task& task, double sites, const RadialPattern& pattern) {
+  if (pattern.rings) return too_many_sites(task, sites, "radial", "rings", "fewer");
+  if (pattern.spokes) return too_many_sites(task, sites, "radial", "spokes", "fewer");
+  return too_many_sites(task, sites, "radial");
+}
+
 Expected<SitePlan> wheel_in(const Task& task, const RadialPattern& pattern, const WheelPlace& place,
                             Random& random) {
   using Around = RadialPattern::Around;
@@ -183,7 +190,7 @@ Expected<SitePlan> wheel_in(const Task& task, const RadialPattern& pattern, cons
                    : count(pattern.spokes, std::sqrt(2 * cells), place.least_spokes, kMostSpokes);
   const std::uint32_t rings = count(pattern.rings, cells / spokes, 2, 1000);
   if (static_cast<double>(spokes) * rings > task.most_sites)
-    return too_many_sites(task, static_cast<double>(spokes) * rings);
+    return too_many(task, static_cast<double>(spokes) * rings, pattern);
 
   // Without an impact, the centre for a body is the middle of the side that faces the viewer (+z).
   const bool body = around_point || (pattern.crushed > 0 && !place.thin);
@@ -366,7 +373,7 @@ Expected<SitePlan> by_parts(const Task& task, const RadialPattern& pattern) {
     }
     groups += most + 1;
     if (plan.points.size() > task.most_sites)
-      return too_many_sites(task, static_cast<double>(plan.points.size()));
+      return too_many(task, static_cast<double>(plan.points.size()), pattern);
   }
   return plan;
 }

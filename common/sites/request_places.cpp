@@ -49,18 +49,24 @@ Vec3d nearest_place(const Solid& solid, const Vec3d& p, Pacer& pacer) {
   return nearest;
 }
 
+/// What to do about a place that is outside the solid.
+std::string correction_of(const Vec3d& place, const char* parameter, const Solid& solid) {
+  const std::string name = std::string("'") + parameter + "'";
+  const std::optional<std::string> unit = likely_unit(place, solid);
+  return unit ? name + " is in metres, with y up, but " + written(place, root_of(solid)) + " looks like " +
+                    *unit + ": convert it to metres."
+              : "Move " + name + " onto the mesh; coordinates are in metres, with y up.";
+}
+
 void warn_of_moved(const Vec3d& from, const Vec3d& to, std::size_t others, const Solid& solid,
                    Remarks& remarks) {
   const Vec3d root = root_of(solid);
-  const std::optional<std::string> unit = likely_unit(from, solid);
   remarks.warn(
       "The impact " + written(from, root) + " is outside the mesh, " + short_number(length(from - to)) +
       " m from its surface, so the nearest point of the surface is hit instead: " + written(to, root) + "." +
       (others == 0 ? std::string()
                    : " The same applies to " + counted(others, "further impact.", "further impacts.")) +
-      (unit ? " 'impacts' is in metres, with y up, but " + written(from, root) + " looks like " + *unit +
-                  ": convert it to metres."
-            : " Move 'impacts' onto the mesh; coordinates are in metres, with y up."));
+      " " + correction_of(from, "impacts", solid));
 }
 
 void move_onto(const Solid& solid, std::vector<Vec3d>& impacts, Remarks& remarks,
@@ -145,6 +151,17 @@ void check_points(const Solid& solid, const std::vector<Vec3d>& points, Remarks&
                (unit ? " They are in metres, with y up, but " + written(sample, root_of(solid)) +
                            " looks like " + *unit + ": convert them to metres."
                      : " Move them into the mesh; coordinates are in metres, with y up."));
+}
+
+std::optional<FarPlace> far_place(const Solid& solid, const Vec3d& place, double near, const char* parameter,
+                                  const Execution& execution) {
+  if (solid.triangles.empty() ||
+      sites_detail::ColumnSampler(solid, 0, execution).inside(std::span(&place, 1))[0])
+    return std::nullopt;
+  Pacer pacer(execution);
+  const double distance = length(nearest_place(solid, place, pacer) - place);
+  if (!(distance > near)) return std::nullopt;
+  return FarPlace{written(place, root_of(solid)), distance, correction_of(place, parameter, solid)};
 }
 
 std::optional<std::string> likely_unit(const Vec3d& place, const Box& box) {

@@ -31,6 +31,17 @@ void put_impacts_on(const Solid& solid, SitePattern& pattern, Remarks& remarks, 
 void check_points(const Solid& solid, const std::vector<Vec3d>& points, Remarks& remarks,
                   const Execution& execution);
 
+/// A place of the request outside the solid, in the words of a warning.
+struct FarPlace {
+  std::string place;       ///< as in the request: "50,50,50"
+  double distance = 0;     ///< m, from the surface
+  std::string correction;  ///< "Move 'local_point' onto the mesh; …", or the unit that it is probably in
+};
+/// Returns nothing if the place is in the solid, or at most `near` metres from its surface. `parameter` has the place. Linear in
+/// triangles. Throws Interrupted.
+std::optional<FarPlace> far_place(const Solid& solid, const Vec3d& place, double near, const char* parameter,
+                                  const Execution& execution);
+
 /// Returns "centimetres", "millimetres" or "inches": the unit in which `place` would be in or near the box. Returns nothing if no
 /// unit would help. `place` is far from the box in metres.
 std::optional<std::string> likely_unit(const Vec3d& place, const Box& box);

@@ -50,7 +50,14 @@ double expected_sites(const SlicePattern& pattern, double count, const Vec3d& si
 /// Several families are the product grid of their coordinates; the map has transformed the solid to these
 /// coordinates.
 Expected<SitePlan> generate(const Task& task, const SlicePattern& pattern, const ImageMap& map) {
-  if (pattern.normals.size() > 1) return generate(task, grid_of(pattern, task), map);
+  if (pattern.normals.size() > 1) {
+    const GridPattern grid = grid_of(pattern, task);
+    Expected<SitePlan> plan = generate(task, grid, map);
+    if (!plan && plan.error().code == ErrorCode::kTooComplex && pattern.spacing)
+      return too_many_sites(task, boxes_in(task.solid.box.size(), *grid.cell), "slice", "spacing",
+                            "a larger");
+    return plan;
+  }
   // The plane n·q = c is A^-T n · A q = c.
   const Vec3d given = pattern.normals.at(0);
   const Vec3d normal = normalized(map ? map.of_part(0).inverse.transposed_times(given) : given);
@@ -70,7 +77,9 @@ Expected<SitePlan> generate(const Task& task, const SlicePattern& pattern, const
     count = std::fmax(1, std::ceil(length / spacing - 1e-3));
     low = 0.5 * (low + high) - 0.5 * count * spacing;
   }
-  if (count > task.most_sites) return too_many_sites(task, count);
+  if (count > task.most_sites)
+    return pattern.spacing ? too_many_sites(task, count, "slice", "spacing", "a larger")
+                           : too_many_sites(task, count, "slice");
 
   // Neighbouring sites are at least (1 - jitter) spacings apart along the normal, and at most twice `off`
   // across it. So the plane between them tilts by at most the requested angle.

@@ -71,10 +71,11 @@ void write_remarks(const EdgeFaults& faults, const SolidReport& report, std::siz
                  " merged with a neighbour within the weld tolerance to close open edges.");
   if (report.flipped > 0)
     remarks.note(counted(report.flipped, "triangle was", "triangles were") + " turned to face outwards.");
-  if (faults.first_nonmanifold)
-    remarks.note(
-        counted(faults.nonmanifold + faults.one_way, "non-manifold edge was", "non-manifold edges were") +
-        " split, the first at " + place((*faults.first_nonmanifold)[0]) + ".");
+  if (faults.first_nonmanifold) {
+    const std::uint64_t split = faults.nonmanifold + faults.one_way;
+    remarks.note(counted(split, "non-manifold edge was", "non-manifold edges were") + " split, " +
+                 (split == 1 ? "at " : "the first at ") + place((*faults.first_nonmanifold)[0]) + ".");
+  }
   const std::string of_thickness =
       std::string(" of the ") +
       (options.sheets == SheetsMode::kSolid ? "thickness " : "given 'thickness', ") +

@@ -328,9 +328,9 @@ void finish(const Mesh& mesh, Surface& surface, Shells& shells,
 Expected<Solid> make_solid(std::shared_ptr<const Mesh> mesh, const SolidOptions& options,
                            const Execution& execution) {
   if (mesh->triangles.size() > kMostTriangles)
-    return fail(ErrorCode::kTooLarge, "The mesh has " + std::to_string(mesh->triangles.size()) +
-                                          " triangles; the limit for a solid is " +
-                                          std::to_string(kMostTriangles) + ". Simplify the mesh.");
+    return fail(ErrorCode::kTooLarge, "The mesh has " + grouped(mesh->triangles.size()) +
+                                          " triangles; the limit for a solid is " + grouped(kMostTriangles) +
+                                          ". Reduce the mesh, or divide it into several files.");
   Solid solid;
   SolidReport& report = solid.report;
   execution.reaches(0.4);

@@ -11,7 +11,7 @@
 namespace fracture {
 namespace {
 
-constexpr std::size_t kListedNames = 8;  // maximum number in a warning
+constexpr std::size_t kListedNames = 3;  // maximum number in a warning
 
 std::string in_quotes(const std::string& name) { return "'" + printable(shortened(name)) + "'"; }
 
@@ -60,13 +60,14 @@ class Matcher {
 };
 
 std::string listed(const std::vector<std::string>& entries, const std::vector<std::string>& known) {
-  const std::vector<std::string> nearest = nearest_names(entries.front(), known, kListedNames);
-  if (nearest.empty()) return " The mesh has no such names.";
+  if (known.empty()) return " The mesh has no such names.";
+  if (known.size() > kListedNames)
+    return printable(did_you_mean(entries.front(), known)) +
+           " `fracture-server inspect --json` and GET /meshes/{id} list the names.";
   std::string text;
-  for (const std::string& name : nearest) text += (text.empty() ? "" : ", ") + in_quotes(name);
-  return (known.size() > nearest.size() ? " The nearest of " + grouped(known.size()) + " names are "
-                                        : std::string(" The names are ")) +
-         text + ".";
+  for (const std::string& name : nearest_names(entries.front(), known, kListedNames))
+    text += (text.empty() ? "" : ", ") + in_quotes(name);
+  return (known.size() == 1 ? " The only name is " : " The names are ") + text + ".";
 }
 
 }  // namespace

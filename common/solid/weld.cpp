@@ -118,9 +118,9 @@ Expected<Surface> weld_exact(const Mesh& mesh, SolidReport& report, const Execut
   if (mesh.triangles.empty()) return fail(ErrorCode::kEmptyMesh, "The mesh has no triangles.");
 
   if (mesh.positions.size() > kNumber)
-    return fail(ErrorCode::kTooLarge, "The mesh has " + std::to_string(mesh.positions.size()) +
-                                          " vertices; the limit for a solid is " + std::to_string(kNumber) +
-                                          ".");
+    return fail(ErrorCode::kTooLarge, "The mesh has " + grouped(mesh.positions.size()) +
+                                          " vertices; the limit for a solid is " + grouped(kNumber) +
+                                          ". Reduce the mesh, or divide it into several files.");
   const std::unique_ptr<std::uint32_t[]> of_wedge = first_of_same(mesh.positions, execution);
   Surface surface;
   Expected<void> numbered;

@@ -22,6 +22,9 @@ namespace fs = std::filesystem;
 Expected<BakeJob> job_of_line(const std::string& line, const fs::path& folder, const BakeSource& source) {
   const auto read = read_json(line, {});
   if (!read && read.error().kind != JsonFault::Kind::kSyntax) return wrong("it " + to_text(read.error()));
+  if (!read && read.error().at_end)
+    return wrong("the line ends before its JSON object is complete (column " +
+                 std::to_string(read.error().byte) + "); each line must be one object");
   if (!read) return wrong("it is not a JSON object (column " + std::to_string(read.error().byte) + ")");
   if (!read->value.is_object()) return wrong("it is not a JSON object");
   const nlohmann::json& json = read->value;

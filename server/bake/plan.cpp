@@ -82,7 +82,9 @@ Expected<BakePlan> plan_bake(const BakeSource& given, const ParseParameters& par
   BakePlan plan;
   BakeSource source = given;
   std::error_code error;
-  if (source.manifest.empty() == source.inputs.empty())
+  if (source.manifest.empty() && source.inputs.empty())
+    return wrong("Give mesh files, folders or globs, or a --manifest. Run fracture-server bake --help.");
+  if (!source.manifest.empty() && !source.inputs.empty())
     return wrong("Give either input paths (files, folders, globs) or a --manifest, but not both.");
   if (source.manifest.empty()) {
     if (source.output.empty())

@@ -11,6 +11,7 @@
 #include "common/base/json_text.hpp"
 #include "common/base/name_pattern.hpp"
 #include "common/base/printable.hpp"
+#include "common/base/words.hpp"
 #include "server/bake/rule_parameters.hpp"
 #include "server/bake/wrong.hpp"
 
@@ -149,17 +150,18 @@ bool RuleFile::by_names() const {
 
 Expected<RuleFile> read_rules(const std::string& path) {
   const auto in_file = [&](const std::string& detail) {
-    return wrong("The rules '" + path + "': " + detail + ".");
+    return wrong("The rules file '" + path + "': " + detail + ".");
   };
   errno = 0;
   std::ifstream stream(path, std::ios::binary);
   std::string text(kMaxRuleFileBytes + 1, '\0');
   if (stream) stream.read(text.data(), static_cast<std::streamsize>(text.size()));
   if (stream.bad() || (!stream && !stream.eof()))
-    return wrong("The rules '" + path + "' cannot be read: " + std::strerror(errno != 0 ? errno : EIO) + ".");
+    return wrong("The rules file '" + path + "' cannot be read: " + std::strerror(errno != 0 ? errno : EIO) +
+                 ".");
   text.resize(static_cast<std::size_t>(stream.gcount()));
   if (text.size() > kMaxRuleFileBytes)
-    return in_file("the file has more than the limit of " + std::to_string(kMaxRuleFileBytes) + " bytes");
+    return in_file("the file has more than the limit of " + grouped(kMaxRuleFileBytes) + " bytes");
   const auto read = read_json(text, {});
   if (!read) {
     if (read.error().kind != JsonFault::Kind::kSyntax) return in_file("the file " + to_text(read.error()));
@@ -167,10 +169,11 @@ Expected<RuleFile> read_rules(const std::string& path) {
     const std::string_view good =
         std::string_view(text).substr(0, std::max<std::size_t>(read.error().byte, 1) - 1);
     const std::size_t line_end = good.rfind('\n');
-    return in_file(
+    const std::string place =
         "line " + std::to_string(1 + std::count(good.begin(), good.end(), '\n')) + ", column " +
-        std::to_string(line_end == std::string_view::npos ? good.size() + 1 : good.size() - line_end) +
-        ": not valid JSON");
+        std::to_string(line_end == std::string_view::npos ? good.size() + 1 : good.size() - line_end);
+    return in_file(read.error().at_end ? "the JSON ends before it is complete (" + place + ")"
+                                       : place + ": not valid JSON");
   }
   const json& document = read->value;
   if (!document.is_object() || !document.contains("rules") || !document["rules"].is_array())
@@ -180,8 +183,7 @@ Expected<RuleFile> read_rules(const std::string& path) {
   RuleFile file{.path = path};
   const json& list = document["rules"];
   if (list.empty() || list.size() > kMaxRules)
-    return in_file("there must be 1 to " + std::to_string(kMaxRules) + " rules; it has " +
-                   std::to_string(list.size()));
+    return in_file("there must be 1 to " + grouped(kMaxRules) + " rules; it has " + grouped(list.size()));
   for (const json& value : list) {
     Expected<Rule> rule = rule_of(value);
     if (!rule) return wrong(name_of_rule(file.rules.size(), file) + ": " + rule.error().detail + ".");
@@ -224,10 +226,10 @@ Expected<std::vector<RuleMatch>> RuleTally::find(const std::string& path, const 
       for (std::size_t rest = k; rest < seen_.size(); ++rest)
         seen_[rest].matched = seen_[rest].decided = true;
       if (whole) break;
-      return fail(ErrorCode::kTooLarge, "Its " + std::to_string(names.nodes.size() + names.materials.size()) +
-                                            " names need more than " + std::to_string(kMaxMatchSteps) +
-                                            " comparisons with the patterns of '" + file_.path +
-                                            "' up to rule " + std::to_string(k + 1) + ".");
+      return fail(ErrorCode::kTooLarge,
+                  "Its " + grouped(names.nodes.size() + names.materials.size()) + " names need more than " +
+                      grouped(kMaxMatchSteps) + " comparisons with the patterns of '" + file_.path +
+                      "' up to rule " + std::to_string(k + 1) + ". Use simpler patterns.");
     }
     if (!why) continue;
     seen_[k].matched = true;

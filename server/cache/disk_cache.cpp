@@ -58,7 +58,7 @@ Expected<bool> DiskCache::take() {
     fs::create_directories(folder_ + "/quarantine");
     learn_what_is_there();
   } catch (const fs::filesystem_error& e) {
-    return fail(ErrorCode::kFileAccess, e.what());
+    return tl::unexpected<Error>(unusable_folder(folder_, e));
   }
   held_ = true;
   return true;

@@ -5,6 +5,7 @@
 #include <openssl/evp.h>
 #include <openssl/params.h>
 
+#include <cerrno>
 #include <cstring>
 #include <fstream>
 #include <iterator>
@@ -47,10 +48,13 @@ Signature sign(const std::string& key, const SignedAs& as, std::initializer_list
 }  // namespace
 
 Expected<FarmKeys> FarmKeys::load(const std::string& path) {
+  errno = 0;
   std::ifstream file(path, std::ios::binary);
-  if (!file) return fail(ErrorCode::kFileAccess, path + " cannot be read");
+  if (!file)
+    return fail(ErrorCode::kFileAccess,
+                "'" + path + "' cannot be read: " + std::strerror(errno != 0 ? errno : EIO) + ".");
   auto keys = parse(std::string{std::istreambuf_iterator<char>(file), {}});
-  if (!keys) return fail(keys.error().code, path + ": " + keys.error().detail);
+  if (!keys) return fail(keys.error().code, "'" + path + "': " + keys.error().detail + ".");
   return keys;
 }
 

@@ -16,13 +16,13 @@ Expected<bool> FolderLock::take(const std::string& folder) {
   try {
     std::filesystem::create_directories(folder);
   } catch (const std::filesystem::filesystem_error& e) {
-    return fail(ErrorCode::kFileAccess, e.what());
+    return tl::unexpected<Error>(unusable_folder(folder, e));
   }
   Descriptor file(::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644));
-  if (!file) return fail(ErrorCode::kFileAccess, path + ": " + std::strerror(errno));
+  if (!file) return tl::unexpected<Error>(unusable_folder(folder, std::strerror(errno)));
   if (::flock(file.get(), LOCK_EX | LOCK_NB) != 0) {
     if (errno == EWOULDBLOCK) return false;
-    return fail(ErrorCode::kFileAccess, path + ": " + std::strerror(errno));
+    return tl::unexpected<Error>(unusable_folder(folder, std::strerror(errno)));
   }
   file_ = std::move(file);
   return true;

@@ -2,12 +2,23 @@
 // (flock(2)), so it ends when its process dies.
 #pragma once
 
+#include <filesystem>
 #include <string>
 
 #include "common/base/descriptor.hpp"
 #include "common/base/error.hpp"
 
 namespace fracture {
+
+/// The error for a folder that the server cannot use. `path`: the folder, or the part of it that failed.
+inline Error unusable_folder(const std::string& path, const std::string& reason) {
+  return {ErrorCode::kFileAccess, "the folder '" + path + "' cannot be created or written: " + reason +
+                                      ". Choose a folder that the server can write to."};
+}
+/// The same for an exception, without its words for programmers.
+inline Error unusable_folder(const std::string& folder, const std::filesystem::filesystem_error& error) {
+  return unusable_folder(error.path1().empty() ? folder : error.path1().string(), error.code().message());
+}
 
 class FolderLock {
  public:

@@ -10,6 +10,7 @@
 #include <condition_variable>
 #include <cstdio>
 #include <cstring>
+#include <filesystem>
 #include <memory>
 #include <mutex>
 #include <stdexcept>
@@ -19,6 +20,7 @@
 #include <utility>
 
 #include "common/base/printable.hpp"
+#include "common/base/words.hpp"
 #include "server/bake/explain.hpp"
 #include "server/bake/failure.hpp"
 #include "server/bake/flip_engine.hpp"
@@ -86,8 +88,7 @@ FILE* words_of(const bake::BakePlan& plan) {
                                                                                                 : stdout;
 }
 
-/// Returns "480 made, 19 kept, 1 refused of 500 jobs in 12.3 s; report in out/bake.ndjson". Counts of zero
-/// are left out.
+/// Returns "500 jobs in 12.3 s: 480 made, 19 kept, 1 refused; report in out/bake.ndjson". Counts of zero are left out.
 std::string summary_of(const bake::RunFigures& f, std::size_t jobs, double seconds,
                        const std::string& report) {
   std::string line;
@@ -100,21 +101,23 @@ std::string summary_of(const bake::RunFigures& f, std::size_t jobs, double secon
                                                          {f.unwritable, "not written"},
                                                          {f.cancelled, "not done"}};
   for (const auto& [count, what] : figures)
-    if (count > 0) line += (line.empty() ? "" : ", ") + std::to_string(count) + " " + what;
-  if (line.empty()) line = "nothing";
-  char rest[64];
-  std::snprintf(rest, sizeof rest, " of %zu jobs in %.1f s", jobs, seconds);
-  return line + rest + (report.empty() ? "" : "; report in " + report);
+    if (count > 0) line += (line.empty() ? "" : ", ") + grouped(count) + " " + what;
+  if (line.empty()) line = "nothing made";
+  char took[64];
+  std::snprintf(took, sizeof took, " in %.1f s: ", seconds);
+  return counted(jobs, "job", "jobs") + took + line +
+         (report.empty() ? "" : "; report in " + std::filesystem::path(report).lexically_normal().string());
 }
 
 /// Reports the kept failures, even with --quiet, because the user asked for them.
 void tell_of(const FailureKeeper& failures) {
   const KeptFailures f = failures.figures();
   if (const std::size_t kept = f.kept + f.known; kept > 0)
-    say("kept " + std::to_string(kept) + (kept > 1 ? " failures" : " failure") + " in " + failures.folder() +
+    say("kept " + counted(kept, "failure", "failures") + " in " + failures.folder() +
         "; \"command\" in a request.json reproduces its failure");
   if (f.dropped > 0)
-    say("no space for " + std::to_string(f.dropped) + " more failures in " + failures.folder());
+    say("no space for " + counted(f.dropped, "more failure", "more failures") + " in " + failures.folder() +
+        "; delete failures there that are understood");
 }
 
 /// Returns null after reporting an error and setting `exit_code` if the server cannot be used.
@@ -289,6 +292,7 @@ int bake(const BakeOptions& options) {
   ServiceConfig service = options.service;
   const std::uint64_t memory = options.memory > 0 ? options.memory : available_memory() / 4 * 3;
   service.max_bytes_per_job = memory / static_cast<std::uint64_t>(jobs);
+  service.memory_setting = "--memory";
   StopOnSignal stop;
   int refused = 0;
   std::unique_ptr<bake::Baker> baker;

@@ -89,12 +89,23 @@ int health(const HealthOptions& o) {
   protocol::HttpRequest request;
   request.target = probe->path;
   const protocol::Exchange answer = caller.exchange(request, {});
-  const std::string where =
-      protocol::authority_of(probe->host, std::to_string(probe->port)) + probe->path + ": ";
+  const std::string authority = protocol::authority_of(probe->host, std::to_string(probe->port));
+  const std::string where = "http://" + authority + probe->path;
+  const bool of_admin = probe->path == "/livez" || probe->path == "/readyz";
   if (answer.outcome == protocol::Exchange::Outcome::kTimedOut)
-    return unhealthy(where + "no answer within " + std::to_string(o.timeout) + " s");
-  if (answer.outcome != protocol::Exchange::Outcome::kAnswered) return unhealthy(where + answer.detail);
-  if (answer.status != 200) return unhealthy(where + "status " + std::to_string(answer.status));
+    return unhealthy(where + ": no answer within " + std::to_string(o.timeout) +
+                     " s. The server is overloaded or hangs; --timeout waits longer.");
+  if (answer.outcome != protocol::Exchange::Outcome::kAnswered)
+    return unhealthy(
+        (answer.detail.starts_with(authority) ? "" : where + ": ") + answer.detail +
+        (of_admin ? " Is the server running, and is this its admin port?" : " Is the server running?"));
+  if (answer.status == 404 && of_admin)
+    return unhealthy(where + " answered 404, so this is not an admin listener. Use the --admin-port (" +
+                     std::to_string(ServeOptions().server.admin_port) + " by default).");
+  if (answer.status == 503 && probe->path == "/readyz")
+    return unhealthy(where + " answered 503: the server does not accept requests now.");
+  if (answer.status != 200)
+    return unhealthy(where + " answered " + std::to_string(answer.status) + ", not 200.");
   std::puts("healthy");
   return kExitDone;
 }

@@ -1,6 +1,6 @@
 // fracture-server inspect: reports what the service would make of meshes, without fracturing them.
 #include <cerrno>
-#include <cinttypes>
+#include <cmath>
 #include <cstdio>
 #include <cstring>
 #include <memory>
@@ -41,10 +41,12 @@ struct ForRequest {
   nlohmann::json estimate;
 };
 
-ForRequest for_request(const PreparedMesh& mesh, const FractureRequest& request, std::uint64_t limit) {
+ForRequest for_request(const PreparedMesh& mesh, const FractureRequest& request,
+                       const ServiceConfig& config) {
   ForRequest result;
   check_size_of_pieces(mesh, request, result.remarks, result.choices);
-  result.estimate = estimate_document(request.parameters, mesh.solid, limit);
+  result.estimate =
+      estimate_document(request.parameters, mesh.solid, config.max_bytes_per_job, config.memory_setting);
   return result;
 }
 
@@ -58,25 +60,45 @@ std::string in_words(const Choice& choice) {
   return parameters + "(" + choice.kind + "): " + choice.text;
 }
 
+/// Volumes that differ by less than this share differ only by rounding.
+constexpr double kSameVolume = 1e-8;
+
+/// Returns "from the file", "from the request" or "assumed".
+std::string source_of(FrameReport::From from) {
+  return from == FrameReport::From::kAssumed ? std::string("assumed")
+                                             : std::string("from the ") + name_of(from);
+}
+
+/// Returns "unit 1 m and y up, both from the file".
+std::string in_words(const FrameReport& frame) {
+  char unit[48];
+  std::snprintf(unit, sizeof unit, "unit %.9g m", frame.metres_per_unit);
+  const std::string up = frame.z_up ? "z up" : "y up";
+  if (frame.unit_from == frame.up_from) return unit + (" and " + up) + ", both " + source_of(frame.unit_from);
+  return unit + (", " + source_of(frame.unit_from)) + "; " + up + ", " + source_of(frame.up_from);
+}
+
 void print(const std::string& input, const PreparedMesh& mesh, const ForRequest& asked, bool mended) {
   const SolidReport& r = mesh.solid.report;
   const Mesh& source = *mesh.solid.source;
   std::printf("%s: %s\n", input.c_str(), mended ? "usable after repair" : "a closed solid as it is");
   const Vec3d size = mesh.solid.box.size();
-  std::printf("  size       %.6g x %.6g x %.6g m (one unit is %.9g m: %s; %s up: %s)\n", size.x, size.y,
-              size.z, mesh.frame.metres_per_unit, name_of(mesh.frame.unit_from), mesh.frame.z_up ? "z" : "y",
-              name_of(mesh.frame.up_from));
-  std::printf("  volume     %.9g m³ (%.9g m³ with overlaps counted once), area %.9g m²\n", r.volume,
-              volume_once(mesh.solid, {}), r.area);
+  std::printf("  size       %.6g x %.6g x %.6g m (%s)\n", size.x, size.y, size.z,
+              in_words(mesh.frame).c_str());
+  const double once = volume_once(mesh.solid, {});
+  std::printf("  volume     %.9g m³", r.volume);
+  if (!(std::fabs(once - r.volume) <= kSameVolume * r.volume))
+    std::printf(" (%.9g m³ with overlaps counted once)", once);
+  std::printf(", area %.9g m²\n", r.area);
   const auto nodes = source.node_names.size(), materials = source.library->materials.size(),
              images = source.library->images.size();
   std::printf("  solid      %s, %s, %s\n", counted(r.parts, "part", "parts").c_str(),
               counted(r.shells, "shell", "shells").c_str(),
               counted(r.cavities, "cavity", "cavities").c_str());
   if (const auto contacts = contact_report(mesh.solid))
-    std::printf("  contacts   %s of parts are in contact, %" PRIu64
-                " of these pairs overlap: area %.6g m², common volume %.6g m³; %s no other part\n",
-                counted(contacts->pairs, "pair", "pairs").c_str(), contacts->overlapping, contacts->area,
+    std::printf("  contacts   %s, of which %s; area %.6g m², common volume %.6g m³; %s no other part\n",
+                counted(contacts->pairs, "pair of parts touches", "pairs of parts touch").c_str(),
+                counted(contacts->overlapping, "overlaps", "overlap").c_str(), contacts->area,
                 contacts->volume, counted(contacts->alone, "part touches", "parts touch").c_str());
   std::printf(
       "  source     %s, %s, %s, %s, %s\n", counted(r.source_triangles, "triangle", "triangles").c_str(),
@@ -165,7 +187,7 @@ class Inspector {
     const auto mesh = service_.prepare(request, execution);
     if (!mesh) return refused(path, mesh.error());
     Inspected found{.exit_code = repaired((*mesh)->solid.report) ? kExitRepaired : kExitDone, .mesh = *mesh};
-    found.asked = for_request(**mesh, request, config_.max_bytes_per_job);
+    found.asked = for_request(**mesh, request, config_);
     found.report = report_of(path, **mesh, found.asked);
     return found;
   }
@@ -234,6 +256,10 @@ int inspect_many(const InspectOptions& options, Inspector& inspector) {
 }  // namespace
 
 int inspect(const InspectOptions& options) {
+  if (options.inputs.empty()) {
+    complain("Give a mesh file, a folder or a glob in quotes. Run fracture-server inspect --help.");
+    return kExitUsage;
+  }
   std::unique_ptr<FractureEngine> engine;
   try {
     engine = make_engine(bake::own_import_workers(1));
@@ -244,6 +270,7 @@ int inspect(const InspectOptions& options) {
   // The limits of a bake of one mesh.
   ServiceConfig config = options.service;
   config.max_bytes_per_job = options.memory > 0 ? options.memory : available_memory() / 4 * 3;
+  config.memory_setting = "--memory";
   Inspector inspector(options, config, std::move(engine));
   const bool is_one = options.inputs.size() == 1 && !bake::stands_for_many(options.inputs.front());
   if (const auto parsed = inspector.parse(); !parsed) {

@@ -9,6 +9,7 @@
 #include "common/base/nearest_name.hpp"
 #include "common/parameters/groups.hpp"
 #include "common/pipeline/algorithm_version.hpp"
+#include "server/cli/command_line_words.hpp"
 #include "server/cli/help.hpp"
 #include "server/cli/program.hpp"
 #include "server/cli/serve_settings.hpp"
@@ -92,7 +93,7 @@ void add_parameters(CLI::App& app, std::vector<RawParameter>& parameters, const 
 
 void add_threads(CLI::App& app, int& threads, const char* doc, const char* heading) {
   app.add_option("--threads", threads, doc)
-      ->check(CLI::Range(0, 1024))
+      ->check(in_range(0, 1024))
       ->type_name("N")
       ->capture_default_str()
       ->group(heading);
@@ -158,7 +159,7 @@ void add_bake(CLI::App& app, BakeOptions& o) {
                "Only print which rule matches each mesh, why it matches, and the parameters that result")
       ->group(kFilesGroup);
   app.add_option("-j,--jobs", o.jobs, "Meshes computed at the same time; 0: one per core, or 8 with --server")
-      ->check(CLI::Range(0, 1024))
+      ->check(in_range(0, 1024))
       ->type_name("N")
       ->capture_default_str()
       ->group(kWorkGroup);
@@ -183,6 +184,7 @@ void add_bake(CLI::App& app, BakeOptions& o) {
   app.add_flag("--force", o.force, "Make all outputs again, even those that are up to date")
       ->group(kWorkGroup);
   app.add_option("--allow-refused", o.allow_refused, "Exit with 0 if at most this many meshes were refused")
+      ->check(in_range(0, 1'000'000'000))
       ->type_name("N")
       ->capture_default_str()
       ->group(kWorkGroup);
@@ -217,11 +219,11 @@ void add_bake(CLI::App& app, BakeOptions& o) {
       ->group(kLookGroup);
   app.add_option("--preview-size", o.preview_size,
                  "Width and height in pixels; default: 512 for one mesh, 256 for several")
-      ->check(CLI::Range(64, 2048))
+      ->check(in_range(64, 2048))
       ->type_name("N")
       ->group(kLookGroup);
   app.add_option("--preview-timeout", o.preview_timeout_s, "Time limit for one picture, in seconds")
-      ->check(CLI::Range(1, 3600))
+      ->check(in_range(1, 3600))
       ->type_name("S")
       ->capture_default_str()
       ->group(kLookGroup);
@@ -267,7 +269,7 @@ void add_bake(CLI::App& app, BakeOptions& o) {
       ->group(kServerGroup);
   app.add_option("--patience", o.patience_s,
                  "Seconds for which the server may be unreachable or busy before the bake stops")
-      ->check(CLI::Range(0, 86400))
+      ->check(in_range(0, 86400))
       ->type_name("S")
       ->capture_default_str()
       ->group(kServerGroup);
@@ -288,8 +290,7 @@ void add_inspect(CLI::App& app, InspectOptions& o) {
          "input", o.inputs,
          "Mesh files, folders (with their subfolders), or globs in quotes; - is standard input. For one file: a "
          "report. Otherwise: a line for each mesh, and a summary by cause")
-      ->type_name("")
-      ->required();
+      ->type_name("");
   app.add_flag(
       "--json", o.json,
       "Print the report as JSON; of several meshes, one line for each, then a line with the summary");
@@ -309,7 +310,7 @@ void add_health(CLI::App& app, HealthOptions& o) {
   app.add_flag("--ready", o.ready,
                "Ask whether the server accepts requests (/readyz), not whether it is running (/livez)");
   app.add_option("--timeout", o.timeout, "Seconds to wait for the connection, and again for the response")
-      ->check(CLI::Range(1, 3600))
+      ->check(in_range(1, 3600))
       ->capture_default_str();
   app.footer(kExitCodesInWords);
 }
@@ -320,6 +321,7 @@ int run(int argc, char** argv) {
   CLI::App app("Exact, watertight mesh fracture: as a server (serve) or for files (bake).",
                "fracture-server");
   app.formatter(help_formatter());
+  app.failure_message(words_of_failure);
   app.set_version_flag("--version",
                        "fracture-server " FRACTURE_VERSION " algorithm " + std::to_string(kAlgorithmVersion));
   app.require_subcommand(1);

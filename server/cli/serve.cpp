@@ -48,7 +48,7 @@ void reload_tokens(const std::string& path, http::HttpServer& server) {
   if (path.empty()) return spdlog::info("SIGHUP: this server has no token file to reload");
   auto tokens = tenants::TokenFile::load(path);
   if (!tokens) {
-    spdlog::error("token-file {}; the old tokens stay in force", tokens.error().detail);
+    spdlog::error("--token-file {} The old tokens stay in force.", tokens.error().detail);
     return;
   }
   const std::size_t names = tokens->size();
@@ -86,7 +86,7 @@ void take_folder(http::Api& api, const std::string& folder, std::string& trouble
   } catch (const std::exception& e) {  // not enough memory for the folder's contents
     why = e.what();
   }
-  if (trouble != why) spdlog::error("cache-dir: {}", why);
+  if (trouble != why) spdlog::error("--cache-dir: {}", why);
   trouble = why;
 }
 
@@ -110,7 +110,7 @@ int serve_until_stopped(const ServeOptions& options) {
   if (!options.no_page) {
     Expected<page::Samples> read = page::Samples::load(options.page_samples);
     if (!read) {
-      spdlog::critical("page-sample: {}", read.error().detail);
+      spdlog::critical("--page-sample: {}", read.error().detail);
       return kExitSystem;
     }
     samples = std::move(*read);
@@ -127,11 +127,11 @@ int serve_until_stopped(const ServeOptions& options) {
   api.offer(std::move(samples));
   for (const std::optional<Error>& unusable : {service.tiers().disk_unusable(), api.jobs().folder_unusable()})
     if (unusable) {
-      spdlog::critical("cache-dir: {}", unusable->detail);
+      spdlog::critical("--cache-dir: {}", unusable->detail);
       return kExitSystem;
     }
   if (const Expected<void> made = failures.make_folder(); !made) {
-    spdlog::critical("keep-failures: {}", made.error().detail);
+    spdlog::critical("--keep-failures: {}", made.error().detail);
     return kExitSystem;
   }
   if (api.waits_for_folder())

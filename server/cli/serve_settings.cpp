@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "common/base/nearest_name.hpp"
+#include "common/base/words.hpp"
 #include "common/parameters/parameter_object.hpp"
 #include "server/cli/memory_plan.hpp"
 #include "server/http/auth.hpp"
@@ -81,7 +82,7 @@ void judge_tiers(const ServeOptions& o, const std::function<void(std::string)>& 
     if (const auto tls = RedisTls::load(redis.tls); !tls) refuse("redis-tls: " + tls.error().detail);
   if (!o.farm_key_file.empty())
     if (const auto keys = FarmKeys::load(o.farm_key_file); !keys)
-      refuse("farm-key-file " + keys.error().detail);
+      refuse("--farm-key-file " + keys.error().detail);
   if (tiers.sign_disk && o.farm_key_file.empty()) refuse("sign-disk-cache needs a farm-key-file");
 }
 
@@ -280,14 +281,16 @@ std::vector<std::string> inconsistencies(const ServeOptions& o) {
         "--insecure-bind if a proxy or a firewall in front of the server controls access");
 
   const http::HttpLimits& l = o.limits;
-  const auto at_most = [&](const char* small, std::uint64_t a, const char* large, std::uint64_t b) {
+  const auto at_most = [&](const char* small, std::uint64_t a, const char* large, std::uint64_t b,
+                           const std::function<std::string(std::uint64_t)>& in_words) {
     if (a > b)
-      refuse(std::string(small) + " (" + std::to_string(a) + ") is over " + large + " (" + std::to_string(b) +
+      refuse(std::string(small) + " (" + in_words(a) + ") is over " + large + " (" + in_words(b) +
              "), so it could never be reached: lower the first or raise the second");
   };
-  at_most("max-uri", l.max_uri, "max-header", l.max_header);
-  at_most("max-body", l.max_body, "max-bodies", l.max_bodies);
-  at_most("max-connections-per-address", l.max_connections_per_address, "max-connections", l.max_connections);
+  at_most("max-uri", l.max_uri, "max-header", l.max_header, detail::size_with_unit);
+  at_most("max-body", l.max_body, "max-bodies", l.max_bodies, detail::size_with_unit);
+  at_most("max-connections-per-address", l.max_connections_per_address, "max-connections", l.max_connections,
+          grouped);
   const std::pair<const char*, std::chrono::milliseconds> positive[] = {
       {"deadline", l.deadline},
       {"realtime-deadline", l.realtime_deadline},
@@ -321,7 +324,7 @@ std::vector<std::string> inconsistencies(const ServeOptions& o) {
       refuse("allow-host must be '*' or a name without port; it was '" + name + "'");
   if (!o.token_file.empty())
     if (const auto tokens = tenants::TokenFile::load(o.token_file); !tokens)
-      refuse("token-file " + tokens.error().detail);
+      refuse("--token-file " + tokens.error().detail);
   return errors;
 }
 
@@ -366,7 +369,7 @@ std::vector<std::string> configure(ServeOptions& options, const std::vector<Sett
     if (auto keys = FarmKeys::load(options.farm_key_file))
       tiers.keys = std::move(*keys);
     else  // the file has changed since it was checked
-      errors.push_back("farm-key-file " + keys.error().detail);
+      errors.push_back("--farm-key-file " + keys.error().detail);
   }
   if (!tiers.folder.empty() && options.jobs.max_disk_bytes > 0) options.jobs.folder = tiers.folder + "/jobs";
   if (tiers.sign_disk) options.jobs.keys = tiers.keys;

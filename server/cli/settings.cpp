@@ -1,13 +1,19 @@
 #include "server/cli/settings.hpp"
 
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cerrno>
 #include <charconv>
 #include <cmath>
+#include <cstring>
+#include <iterator>
 #include <utility>
 
 #include "common/base/nearest_name.hpp"
 #include "common/base/text.hpp"
+#include "common/base/words.hpp"
 
 namespace fracture::cli {
 namespace {
@@ -37,6 +43,14 @@ std::vector<std::string> split(const std::string& text) {
     at = comma + 1;
   }
   return items;
+}
+
+/// Returns "debug, info or warn".
+std::string either(const std::vector<std::string>& choices) {
+  std::string text;
+  for (std::size_t k = 0; k < choices.size(); ++k)
+    text += (k == 0 ? "" : k + 1 < choices.size() ? ", " : " or ") + choices[k];
+  return text;
 }
 
 /// Returns " (nearest: warn)"; empty if no choice is similar.
@@ -95,9 +109,17 @@ std::optional<std::uint64_t> detail::parse_number(const std::string& text, bool 
   return understood && number >= low && number <= high ? std::optional(number) : std::nullopt;
 }
 
+std::string detail::size_with_unit(std::uint64_t bytes) {
+  constexpr const char* kUnits[] = {"KiB", "MiB", "GiB", "TiB", "PiB"};
+  if (bytes == 0 || bytes % 1024 != 0) return counted(bytes, "byte", "bytes");
+  std::size_t unit = 0;
+  for (bytes /= 1024; bytes % 1024 == 0 && unit + 1 < std::size(kUnits); ++unit) bytes /= 1024;
+  return grouped(bytes) + kUnits[unit];
+}
+
 std::string detail::requirement(bool bytes, std::uint64_t low, std::uint64_t high) {
-  return "must be a whole number from " + std::to_string(low) + " to " + std::to_string(high) +
-         (bytes ? " (or with a unit, such as 64MiB)" : "");
+  if (bytes) return "must be from " + size_with_unit(low) + " to " + size_with_unit(high) + ", such as 64MiB";
+  return "must be a whole number from " + grouped(low) + " to " + grouped(high);
 }
 
 Setting seconds(std::string name, std::chrono::milliseconds& target, std::string doc) {
@@ -106,7 +128,7 @@ Setting seconds(std::string name, std::chrono::milliseconds& target, std::string
     double value = 0;
     const auto [end, error] = std::from_chars(given.data(), given.data() + given.size(), value);
     if (error != std::errc() || end != given.data() + given.size() || !(value >= 0) || value > 86400)
-      return "must be a number of seconds from 0 to 86400";
+      return "must be a number of seconds from 0 to 86,400";
     target = std::chrono::milliseconds(std::llround(value * 1000));
     return std::nullopt;
   };
@@ -135,7 +157,7 @@ Setting choice(std::string name, std::string& target, std::vector<std::string> c
   setting.set = [&target,
                  choices = std::move(choices)](const std::string& given) -> std::optional<std::string> {
     if (std::find(choices.begin(), choices.end(), given) == choices.end())
-      return "must be one of " + join(choices) + nearest_of(given, choices);
+      return "must be " + either(choices) + nearest_of(given, choices);
     target = given;
     return std::nullopt;
   };
@@ -188,7 +210,10 @@ GivenSettings from_file(const std::string& path, std::span<const Setting> settin
   try {
     items = CLI::ConfigTOML().from_file(path);
   } catch (const CLI::Error& e) {
-    errors.push_back("--config " + path + ": " + e.what());
+    const int missing = ::access(path.c_str(), R_OK) == 0 ? 0 : errno;
+    errors.push_back("--config '" + path + "' " +
+                     (missing != 0 ? std::string("cannot be read: ") + std::strerror(missing)
+                                   : "is wrong: " + std::string(e.what())));
     return given;
   }
   for (const CLI::ConfigItem& item : items) {

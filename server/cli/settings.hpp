@@ -75,8 +75,10 @@ namespace detail {
 /// Returns nothing if the text is not a number in the range.
 std::optional<std::uint64_t> parse_number(const std::string& text, bool bytes, std::uint64_t low,
                                           std::uint64_t high);
-/// Returns "must be a whole number from 1 to 9".
+/// Returns "must be a whole number from 1 to 9", or for bytes "must be from 1KiB to 1TiB, such as 64MiB".
 std::string requirement(bool bytes, std::uint64_t low, std::uint64_t high);
+/// Returns "64MiB", or "1,000 bytes" for a number that no unit divides.
+std::string size_with_unit(std::uint64_t bytes);
 }  // namespace detail
 
 template <class Number>

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <stop_token>
 
+#include "common/base/printable.hpp"
+#include "common/base/words.hpp"
 #include "server/http/accept.hpp"
 #include "server/http/api.hpp"
 #include "server/http/content_coding.hpp"
@@ -34,7 +36,46 @@ std::optional<int> urgency_of(std::string_view field) {
   return std::nullopt;
 }
 
+/// Says if the path is on the other listener.
+Problem no_path(Listener listener, const std::string& path) {
+  const std::string what = "There is no path '" + printable(path.substr(0, 100)) + "'";
+  const bool elsewhere = std::any_of(routes().begin(), routes().end(), [&](const Route& route) {
+    return route.listener != listener && match(route, path).has_value();
+  });
+  if (elsewhere)
+    return Problem(
+        HttpProblem::kNotFound,
+        what + (listener == Listener::kPublic ? " on the public port. Ask the admin port (--admin-port)."
+                                              : " on the admin port. Ask the public port (--port)."));
+  return Problem(HttpProblem::kNotFound, what + ". GET /openapi.json lists all paths.");
+}
+
 }  // namespace
+
+Problem body_too_large(const Admission& admission, std::optional<std::uint64_t> bytes) {
+  const std::string body =
+      bytes ? "The body has " + counted(*bytes, "byte", "bytes") : "The body is too large";
+  const std::string limit = grouped(admission.max_body);
+  const Carries carries = admission.route->carries;
+  if (carries == Carries::kNothing || carries == Carries::kQuery)
+    return Problem(HttpProblem::kBodyTooLarge,
+                   (bytes ? body : std::string("The request has a body")) +
+                       ", but this path takes none. Send the request without a body.");
+  if (admission.max_body == kMaxSmallBody)
+    return Problem(HttpProblem::kBodyTooLarge, body + "; the limit for parameters is " + limit +
+                                                   " bytes. Send fewer or shorter parameters.");
+  return Problem(
+      HttpProblem::kBodyTooLarge,
+      body + "; the limit is " + limit + " bytes (--max-body). Send a smaller mesh, or raise the limit.");
+}
+
+Error Api::with_time(Error error, const Request& request) const {
+  if (error.code != ErrorCode::kDeadlineExceeded) return error;
+  if (const OrProblem<Terms> terms = terms_of(request))
+    error.detail = "The work was stopped after " + terms->allowed +
+                   ". Ask for fewer sites, send a smaller mesh, or allow more time.";
+  return error;
+}
 
 bool makes_job(Operation operation, const RequestHead& head) {
   return (operation == Operation::kPostFracture || operation == Operation::kPostMeshFracture) &&
@@ -51,9 +92,11 @@ Problem Api::no_memory(const MemoryBudget::Reservation& reservation) const {
                    "This client's other requests use up its share of the memory for bodies, so this body "
                    "does not fit. Send the request again when those requests are finished.")
         .with("Retry-After", "2");
-  return Problem(ErrorCode::kOverloaded,
-                 "The requests in progress hold " + std::to_string(bodies_.whole().used()) +
-                     " bytes of the memory for bodies, so this body does not fit now.")
+  return Problem(
+             ErrorCode::kOverloaded,
+             "The requests in progress hold " + data_size(bodies_.whole().used()) +
+                 " of the memory for bodies (--max-bodies), so this body does not fit now. Try again after "
+                 "Retry-After.")
       .with("Retry-After", "2");
 }
 
@@ -76,13 +119,13 @@ OrProblem<Admission> Api::admit(Listener listener, const RequestHead& head, cons
     for (const std::string_view known :
          {"GET", "HEAD", "POST", "PUT", "DELETE", "PATCH", "OPTIONS", "TRACE", "CONNECT"})
       if (head.method == known)
-        return allow.empty() ? tl::unexpected<Problem>(Problem(
-                                   HttpProblem::kNotFound, "There is no path '" + head.path.substr(0, 100) +
-                                                               "'. GET /openapi.json lists all paths."))
+        return allow.empty() ? tl::unexpected<Problem>(no_path(listener, head.path))
                              : tl::unexpected<Problem>(Problem(HttpProblem::kMethodNotAllowed,
                                                                "This path supports only " + allow + ".")
                                                            .with("Allow", allow));
-    return refuse(HttpProblem::kNotImplemented, "This server does not know this method.");
+    return refuse(HttpProblem::kNotImplemented, "This server does not know the method '" +
+                                                    shortened(printable(head.method)) +
+                                                    "'. GET /openapi.json lists all paths and methods.");
   }
   admission.head_only = is_head;
   const Carries carries = admission.route->carries;
@@ -93,7 +136,10 @@ OrProblem<Admission> Api::admit(Listener listener, const RequestHead& head, cons
                                                                                   : limits_.max_body;
 
   auto query = parse_query(head.query);
-  if (!query) return refuse(HttpProblem::kMalformedRequest, "The query has a malformed percent escape.");
+  if (!query)
+    return refuse(
+        HttpProblem::kMalformedRequest,
+        "The query has a malformed percent escape. Two hex digits must follow '%'; write %25 for a percent sign.");
   admission.query = std::move(*query);
   if (carries == Carries::kQuery) {
     // The handler checks the query itself.
@@ -119,9 +165,7 @@ OrProblem<Admission> Api::admit(Listener listener, const RequestHead& head, cons
   admission.representation = *representation;
 
   if (head.content_length.value_or(0) > admission.max_body)
-    return refuse(HttpProblem::kBodyTooLarge, "The body has " + std::to_string(*head.content_length) +
-                                                  " bytes; the limit of this path is " +
-                                                  std::to_string(admission.max_body) + ".");
+    return tl::unexpected<Problem>(body_too_large(admission, head.content_length));
   if (auto problem = refuse_body(head, admission, payer)) return tl::unexpected<Problem>(std::move(*problem));
   return admission;
 }
@@ -182,16 +226,23 @@ OrProblem<Terms> Api::terms_of(const RequestHead& head, const Route& route, cons
   std::chrono::milliseconds time = job                                     ? jobs_.config().deadline
                                    : terms.priority == Priority::kRealtime ? limits_.realtime_deadline
                                                                            : limits_.deadline;
+  const char* setting = job                                     ? "--job-deadline"
+                        : terms.priority == Priority::kRealtime ? "--realtime-deadline"
+                                                                : "--deadline";
   if (const std::string given = head.field("request-timeout"); !given.empty()) {
     double seconds = 0;
     const auto [end, error] = std::from_chars(given.data(), given.data() + given.size(), seconds);
     if (error != std::errc{} || end != given.data() + given.size() || !(seconds > 0) || seconds > 86400)
       return tl::unexpected<Problem>(
           to_problem({ErrorCode::kBadParameter,
-                      "Request-Timeout must be a number of seconds, greater than 0 and at most 86400.",
+                      "Request-Timeout must be a number of seconds above 0, and at most 86,400; it was '" +
+                          shortened(printable(given)) + "'.",
                       "Request-Timeout"}));
-    time = std::min(time, std::chrono::milliseconds(static_cast<std::int64_t>(std::ceil(seconds * 1000))));
+    const std::chrono::milliseconds own(static_cast<std::int64_t>(std::ceil(seconds * 1000)));
+    if (own < time) setting = "the request's Request-Timeout";
+    time = std::min(time, own);
   }
+  terms.allowed = short_number(static_cast<double>(time.count()) / 1000) + " s (" + setting + ")";
   terms.deadline = received + time;
   return terms;
 }
@@ -210,8 +261,10 @@ std::optional<Problem> Api::refuse_media_type(const RequestHead& head, const Adm
   const std::string content_type = head.field("content-type"), type = media_type_of(content_type);
   if (type == "multipart/form-data") {
     if (multipart_boundary(content_type)) return std::nullopt;
-    return Problem(HttpProblem::kMalformedMultipart,
-                   "The Content-Type has no valid boundary for the parts of the form.");
+    return Problem(
+        HttpProblem::kMalformedMultipart,
+        "The Content-Type has no valid boundary for the parts of the form. HTTP libraries add it if you leave "
+        "Content-Type out.");
   }
   for (const auto& [name, value] : admission.query)
     if (name == "format") return std::nullopt;

@@ -101,7 +101,7 @@ void Api::answering(const Request& request, const Reply& reply,
   } catch (...) {
   }
   try {
-    reply(refusal(std::move(error), request.id));
+    reply(refusal(with_time(std::move(error), request), request.id));
   } catch (...) {  // only this client is left without an answer
   }
 }

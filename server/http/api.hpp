@@ -228,6 +228,8 @@ class Api {
       const RequestHead& head, const Route& route, const Payer& payer,
       std::chrono::steady_clock::time_point received = std::chrono::steady_clock::now()) const;
   OrProblem<Terms> terms_of(const Request& request, const std::stop_token& gone = {}) const;
+  /// If the deadline passed, the error says how much time the request had, and which setting or field limited it.
+  Error with_time(Error error, const Request& request) const;
   std::optional<Problem> refuse_overload(const RequestHead& head, const Admission& admission,
                                          const Payer& payer) const;
   std::optional<Problem> refuse_body(const RequestHead& head, const Admission& admission,
@@ -250,6 +252,9 @@ class Api {
   std::atomic<bool> draining_{false}, closing_{false};
   ops::Metrics metrics_;
 };
+
+/// Says that the body has more bytes than its path takes. `bytes`: nothing if the size is not known.
+Problem body_too_large(const Admission& admission, std::optional<std::uint64_t> bytes);
 
 /// Converts an error to an answer. Logs bugs of the server and lack of memory.
 Response refusal(Error error, std::string_view request_id);

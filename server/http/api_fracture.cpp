@@ -61,7 +61,7 @@ Answered Api::fracture(const std::shared_ptr<Request>& request, FractureRequest 
   std::optional<Error> overload = dispatcher_.fracture(
       std::move(asked), terms, [this, request, terms, reply](Expected<FractureAnswer> answer) {
         answering(*request, reply, [&]() -> Answered {
-          if (!answer) return refusal(std::move(answer.error()), request->id);
+          if (!answer) return refusal(with_time(std::move(answer.error()), *request), request->id);
           return answer_fracture(request, *answer, terms, reply);
         });
       });

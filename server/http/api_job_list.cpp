@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <charconv>
 
+#include "common/base/printable.hpp"
+#include "common/base/words.hpp"
 #include "server/http/api.hpp"
 #include "server/http/job_document.hpp"
 
@@ -28,16 +30,18 @@ OrProblem<Page> page_of(const std::vector<std::pair<std::string, std::string>>& 
     const auto& [name, value] = query[k];
     const auto same = [&n = name](const auto& other) { return other.first == n; };
     if (std::any_of(query.begin(), query.begin() + static_cast<std::ptrdiff_t>(k), same))
-      return wrong(name, "'" + name + "' is given twice.");
+      return wrong(name, "'" + name + "' is given twice. Give it once.");
     if (name == "state") {
       page.filter.state = job_state_named(value);
       if (!page.filter.state)
-        return wrong(name, "'state' must be queued, running, done, failed or cancelled.");
+        return wrong(name, "'state' must be queued, running, done, failed or cancelled; it was '" +
+                               shortened(printable(value)) + "'.");
     } else if (name == "limit") {
       const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), page.limit);
       if (error != std::errc{} || end != value.data() + value.size() || page.limit < 1 ||
           page.limit > kLongestPage)
-        return wrong(name, "'limit' must be a whole number from 1 to " + std::to_string(kLongestPage) + ".");
+        return wrong(name, "'limit' must be a whole number from 1 to " + grouped(kLongestPage) +
+                               "; it was '" + shortened(printable(value)) + "'.");
     } else if (name == "before") {
       const auto time = time_in(value);
       if (!time) return wrong(name, "'before' must be the 'created' time of a job in this list.");

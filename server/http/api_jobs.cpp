@@ -4,6 +4,7 @@
 #include <stop_token>
 
 #include "common/base/json_text.hpp"
+#include "common/base/words.hpp"
 #include "server/http/api.hpp"
 #include "server/http/job_document.hpp"
 #include "server/http/job_wait.hpp"
@@ -92,7 +93,11 @@ Problem Api::no_job() const {
         "This server does not know this job. Another server is still using the folder in which jobs are "
         "stored.",
         std::chrono::seconds(2)));
-  return Problem(HttpProblem::kNotFound, "This server does not know this job, or no longer knows it.");
+  return Problem(
+      HttpProblem::kNotFound,
+      "This server does not know this job, or no longer knows it: finished jobs are deleted after " +
+          short_number(static_cast<double>(jobs_.config().ttl.count()) / 1000) +
+          " s (--job-ttl). GET /jobs lists your jobs; send the request again for a new one.");
 }
 
 Answered Api::start_job(const std::shared_ptr<Request>& request, FractureRequest asked, const Terms& terms,

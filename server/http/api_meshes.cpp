@@ -4,6 +4,8 @@
 #include <stop_token>
 
 #include "common/base/json_text.hpp"
+#include "common/base/printable.hpp"
+#include "common/base/words.hpp"
 #include "common/parameters/parameter_object.hpp"
 #include "server/http/api.hpp"
 #include "server/http/mesh_input.hpp"
@@ -13,19 +15,20 @@
 namespace fracture::http {
 namespace {
 
-Problem no_mesh() {
-  return Problem(
-      HttpProblem::kNotFound,
-      "This mesh is not (or no longer) stored here. PUT it to /meshes/sha256:<digest of the file>, then "
-      "send the request again.");
+constexpr const char* kFormOfId =
+    "The id of a mesh is sha256: followed by the 64 lower-case hex digits of its SHA-256";
+
+/// `id`: as the request gave it.
+Problem no_mesh(std::string_view id) {
+  if (!digest_in(id))
+    return Problem(HttpProblem::kNotFound,
+                   std::string(kFormOfId) + "; it was '" + shortened(printable(id)) + "'.");
+  return Problem(HttpProblem::kNotFound, "This mesh is not (or no longer) stored here. PUT it to /meshes/" +
+                                             std::string(id) + ", then send the request again.");
 }
 
 Error of_upload(Error error) {
-  if (error.code == ErrorCode::kDeadlineExceeded)
-    error.detail =
-        "The mesh was not stored, because it could not be prepared before the deadline (the server's "
-        "--deadline or --realtime-deadline, or the request's Request-Timeout). Send a smaller mesh, or "
-        "allow more time.";
+  if (error.code == ErrorCode::kDeadlineExceeded) error.detail = "The mesh was not stored. " + error.detail;
   return error;
 }
 
@@ -55,9 +58,7 @@ Answered Api::put_mesh(const std::shared_ptr<Request>& request, const std::stop_
   std::string wanted;  // empty: accept any digest
   if (request->admission.route->operation == Operation::kPutMesh) {
     const auto digest = digest_in(request->admission.segment);
-    if (!digest)
-      return refuse(HttpProblem::kNotFound,
-                    "The id of a mesh is sha256: followed by the 64 lower-case hex digits of its SHA-256.");
+    if (!digest) return tl::unexpected<Problem>(no_mesh(request->admission.segment));
     wanted = *digest;
   }
   return with_mesh_input(
@@ -72,9 +73,10 @@ Answered Api::put_mesh(const std::shared_ptr<Request>& request, const std::stop_
         const std::uint64_t bytes = input_bytes(input.mesh, input.files);
         if (bytes > meshes_.config().quota_bytes)
           return refuse(HttpProblem::kBodyTooLarge,
-                        "The mesh has " + std::to_string(bytes) +
-                            " bytes; the limit for all stored meshes together is " +
-                            std::to_string(meshes_.config().quota_bytes) + ".");
+                        "The mesh has " + data_size(bytes) +
+                            "; the limit for all stored meshes together is " +
+                            data_size(meshes_.config().quota_bytes) +
+                            " (--mesh-store). Send a smaller mesh, or raise the limit.");
         const auto asked = std::make_shared<FractureRequest>(input);
         const auto keep = [this, request, reply, asked, body,
                            terms](const std::shared_ptr<const PreparedMesh>& prepared) -> Answered {
@@ -93,7 +95,8 @@ Answered Api::put_mesh(const std::shared_ptr<Request>& request, const std::stop_
             std::move(input), terms,
             [this, request, reply, keep](Expected<std::shared_ptr<const PreparedMesh>> prepared) {
               answering(*request, reply, [&]() -> Answered {
-                if (!prepared) return refusal(of_upload(std::move(prepared.error())), request->id);
+                if (!prepared)
+                  return refusal(of_upload(with_time(std::move(prepared.error()), *request)), request->id);
                 return keep(*prepared);
               });
             });
@@ -114,19 +117,20 @@ Answered Api::store(const Request& request, const FractureRequest& asked, const 
   if (!owner_of(request).empty()) owner.share = request.payer.account->shares().stored_bytes;
   const MeshStore::Put put = meshes_.put(stored, owner);
   if (put == MeshStore::Put::kOverShare)
-    return refuse(HttpProblem::kBodyTooLarge, "The mesh takes " + std::to_string(stored->held()) +
-                                                  " bytes; the limit for all stored meshes of '" +
-                                                  owner.name + "' is " + std::to_string(owner.share) + ".");
+    return refuse(HttpProblem::kBodyTooLarge,
+                  "The mesh takes " + data_size(stored->held()) + "; the limit for all stored meshes of '" +
+                      owner.name + "' is " + data_size(owner.share) +
+                      ". Delete meshes that you no longer need, or send a smaller one.");
   if (put == MeshStore::Put::kOverQuota)
-    return refuse(HttpProblem::kBodyTooLarge, "The mesh takes " + std::to_string(stored->held()) +
-                                                  " bytes; the limit for all stored meshes is " +
-                                                  std::to_string(meshes_.config().quota_bytes) +
-                                                  " (--mesh-store).");
+    return refuse(HttpProblem::kBodyTooLarge,
+                  "The mesh takes " + data_size(stored->held()) + "; the limit for all stored meshes is " +
+                      data_size(meshes_.config().quota_bytes) +
+                      " (--mesh-store). Send a smaller mesh, or raise the limit.");
   if (put == MeshStore::Put::kNoRoom)
     return tl::unexpected<Problem>(
         Problem(ErrorCode::kOverloaded, "Meshes that requests are using take up most of the " +
-                                            std::to_string(meshes_.config().quota_bytes) +
-                                            " bytes for stored meshes. Try again after Retry-After.")
+                                            data_size(meshes_.config().quota_bytes) +
+                                            " for stored meshes (--mesh-store). Try again after Retry-After.")
             .with("Retry-After", "2"));
   // From here on, the body is counted in the store's quota if the store keeps it. Otherwise it is freed with
   // its reservation.
@@ -139,7 +143,7 @@ Answered Api::store(const Request& request, const FractureRequest& asked, const 
 OrProblem<std::shared_ptr<const StoredMesh>> Api::stored_mesh(const Request& request, std::string_view id) {
   const auto digest = digest_in(id);
   auto mesh = digest ? meshes_.find(*digest, holder_of(request), whose(request)) : nullptr;
-  if (!mesh) return tl::unexpected<Problem>(no_mesh());
+  if (!mesh) return tl::unexpected<Problem>(no_mesh(id));
   return mesh;
 }
 
@@ -155,7 +159,7 @@ Answered Api::delete_mesh(const Request& request) {
   // Deletes the mesh of this owner first. An administrator deletes those of others next. Without tokens, all
   // clients are one owner.
   if (!digest || (!meshes_.erase(*digest, owner) && !meshes_.erase(*digest, owner, whose(request))))
-    return tl::unexpected<Problem>(no_mesh());
+    return tl::unexpected<Problem>(no_mesh(request.admission.segment));
   Response response;
   response.status = 204;
   return response;
@@ -205,8 +209,8 @@ Problem Api::mesh_is_not_held(HeldBuffers::Refusal refusal) const {
   return Problem(share ? ErrorCode::kOverShare : ErrorCode::kOverloaded,
                  (share ? std::string("This client's requests are using its whole share of the ")
                         : std::string("The requests in progress are using all of the ")) +
-                     std::to_string(meshes_.config().quota_bytes) +
-                     " bytes for stored meshes (--mesh-store). Send the request again when some of those "
+                     data_size(meshes_.config().quota_bytes) +
+                     " for stored meshes (--mesh-store). Send the request again when some of those "
                      "requests are finished.")
       .with("Retry-After", "2");
 }
@@ -253,7 +257,7 @@ Answered Api::estimate(const std::shared_ptr<Request>& request, FractureRequest 
       std::move(asked), terms,
       [this, request, reply, parameters](Expected<std::shared_ptr<const PreparedMesh>> prepared) {
         answering(*request, reply, [&]() -> Answered {
-          if (!prepared) return refusal(std::move(prepared.error()), request->id);
+          if (!prepared) return refusal(with_time(std::move(prepared.error()), *request), request->id);
           const nlohmann::json document =
               estimate_document(*parameters, (*prepared)->solid, dispatcher_.most_bytes());
           return Response::text(200, "application/json", json_text(document, 2) + "\n");

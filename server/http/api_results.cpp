@@ -6,6 +6,7 @@
 #include <new>
 #include <stop_token>
 
+#include "common/base/printable.hpp"
 #include "server/http/accept.hpp"
 #include "server/http/api.hpp"
 #include "server/http/result_response.hpp"
@@ -14,7 +15,12 @@
 namespace fracture::http {
 namespace {
 
-Problem no_result() {
+/// `id`: as the request gave it.
+Problem no_result(std::string_view id) {
+  if (!digest_in(id))
+    return Problem(HttpProblem::kNotFound,
+                   "The id of a result is sha256: followed by 64 lower-case hex digits; it was '" +
+                       shortened(printable(id)) + "'.");
   return Problem(
       HttpProblem::kNotFound,
       "This result is not (or no longer) in the cache. Send the same fracture request again to recompute it.");
@@ -114,13 +120,14 @@ Answered Api::get_fracture(const std::shared_ptr<Request>& request, const std::s
                            const Reply& reply) {
   // Only digests name results: the cache also holds data derived from results, under other names.
   const std::optional<std::string> named = digest_in(request->admission.segment);
-  if (!named || !may_see(*request, *named)) return tl::unexpected<Problem>(no_result());
+  if (!named || !may_see(*request, *named))
+    return tl::unexpected<Problem>(no_result(request->admission.segment));
   const std::string& key = *named;
   if (const auto result = service_.find_result(key))
     return found_result(request, result, "result; hit", reply);
   if (const auto result = jobs_.find_result(key)) return found_result(request, result, "job; hit", reply);
   const auto bytes = service_.tiers().expected_bytes(key);
-  if (!bytes) return tl::unexpected<Problem>(no_result());
+  if (!bytes) return tl::unexpected<Problem>(no_result(request->admission.segment));
   // Reading blocks, so it must not run on this thread.
   OrProblem<Terms> terms = terms_of(*request, gone);
   if (!terms) return tl::unexpected<Problem>(std::move(terms.error()));
@@ -132,7 +139,7 @@ Answered Api::get_fracture(const std::shared_ptr<Request>& request, const std::s
       return tl::unexpected<Problem>(
           Problem(ErrorCode::kOverloaded, "There is not enough memory to read this result now.")
               .with("Retry-After", "2"));
-    if (!answer.result) return tl::unexpected<Problem>(no_result());
+    if (!answer.result) return tl::unexpected<Problem>(no_result(request->admission.segment));
     return found_result(request, answer.result, cache_status(answer), reply);
   };
   return on_pool(expected_reading(*bytes), request, *terms, reply, read);

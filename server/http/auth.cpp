@@ -93,10 +93,13 @@ OrProblem<AccountPointer> authenticate(const tenants::Accounts& accounts, const 
         "This server needs a token: send 'Authorization: Bearer <token>'.", "Bearer realm=\"fracture\""));
   tenants::Accounts::Found found = accounts.find(std::string_view(given).substr(kScheme.size()));
   if (!found.account)
-    return tl::unexpected<Problem>(unauthorized("This server does not know the token.", kInvalid));
+    return tl::unexpected<Problem>(unauthorized(
+        "This server does not know the token. Check it, or ask the administrator for a valid one.",
+        kInvalid));
   if (found.expires &&
       std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now()) >= *found.expires)
-    return tl::unexpected<Problem>(unauthorized("The token has expired.", kInvalid));
+    return tl::unexpected<Problem>(
+        unauthorized("The token has expired. Ask the administrator for a new one.", kInvalid));
   return std::move(found.account);
 }
 
@@ -109,7 +112,8 @@ std::optional<Problem> refuse_scope(const tenants::Account& account, const Reque
   const std::string names = names_of(wanted);
   if (names.empty() || account.scopes().has_any(wanted)) return std::nullopt;
   return Problem(HttpProblem::kForbidden,
-                 "The scopes of this token do not allow this request, which needs one of: " + names + ".")
+                 "The scopes of this token do not allow this request, which needs one of: " + names +
+                     ". Use a token with such a scope.")
       .with("WWW-Authenticate",
             "Bearer realm=\"fracture\", error=\"insufficient_scope\", scope=\"" + names + "\"");
 }

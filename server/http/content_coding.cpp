@@ -10,6 +10,8 @@
 #include <vector>
 
 #include "common/base/bulk.hpp"
+#include "common/base/words.hpp"
+#include "server/http/limits.hpp"
 #include "server/http/request_head.hpp"
 
 namespace fracture::http {
@@ -127,9 +129,11 @@ Decoding decode_body(std::string& body, ContentCoding coding, std::uint64_t limi
   });
   if (outcome == Outcome::kStopped && size <= limit) return {.larger = true};
   if (outcome == Outcome::kStopped)
-    return {Problem(HttpProblem::kBodyTooLarge, std::string("The ") + name +
-                                                    " body decodes to more than the limit of " +
-                                                    std::to_string(limit) + " bytes.")};
+    return {Problem(HttpProblem::kBodyTooLarge,
+                    std::string("The ") + name + " body decodes to more than " + data_size(limit) +
+                        ", which is the limit" +
+                        (limit > kMaxSmallBody ? " (--max-decoded). Send a smaller mesh."
+                                               : " for parameters. Send fewer or shorter ones."))};
   if (outcome == Outcome::kWindow)
     return {Problem(
         HttpProblem::kMalformedCoding,
@@ -138,7 +142,8 @@ Decoding decode_body(std::string& body, ContentCoding coding, std::uint64_t limi
   if (outcome == Outcome::kDamaged)
     return {Problem(HttpProblem::kMalformedCoding, std::string("The body is not a complete ") + name +
                                                        " stream: it is damaged or ends early, after " +
-                                                       std::to_string(size) + " decoded bytes.")};
+                                                       grouped(size) +
+                                                       " decoded bytes. Compress and send it again.")};
   if (!reservation.grow_to(body.size() + size)) return {.no_room = true};
   std::string decoded;
   decoded.reserve(size);

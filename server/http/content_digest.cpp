@@ -6,6 +6,7 @@
 #include <string>
 
 #include "common/base/text.hpp"
+#include "common/base/words.hpp"
 #include "common/digest/digest.hpp"
 
 namespace fracture::http {
@@ -43,9 +44,11 @@ std::optional<Problem> check_content_digest(std::string_view field, std::string_
     const auto bytes = std::as_bytes(std::span(body.data(), body.size()));
     const std::string found = ":" + base64(digest_bytes(one.algorithm, bytes, execution)) + ":";
     if (found != one.value)
-      return Problem(HttpProblem::kContentDigestMismatch,
-                     "The " + std::to_string(body.size()) + " bytes of the body have the digest " +
-                         std::string(one.name) + "=" + found + ", but the request announces another digest.");
+      return Problem(
+          HttpProblem::kContentDigestMismatch,
+          "The body (" + counted(body.size(), "byte", "bytes") + ") has the digest " + std::string(one.name) +
+              "=" + found +
+              ", but the request announces another digest. Send the body again, or correct Content-Digest.");
   }
   return std::nullopt;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "common/base/words.hpp"
 #include "common/parameters/parameter_object.hpp"
 #include "server/http/api.hpp"
 #include "server/http/multipart.hpp"
@@ -77,15 +78,16 @@ OrProblem<FractureRequest> read_mesh_input(const Request& request, std::shared_p
         files.push_back({name, std::as_bytes(std::span(part.body.data(), part.body.size()))});
       } else if (part.body.size() > kMaxField) {
         return refuse(HttpProblem::kMalformedMultipart,
-                      "A form field without a filename has more than the limit of " +
-                          std::to_string(kMaxField) + " bytes.");
+                      "A form field without a filename has more than the limit of " + grouped(kMaxField) +
+                          " bytes. Give a file a filename, and send other fields in smaller parts.");
       } else {
         given.push_back({part.name, std::string(part.body), true});  // one parameter: sites=50
       }
     }
     if (!found)
-      return tl::unexpected<Problem>(
-          to_problem({ErrorCode::kEmptyBody, "The form has no part named 'mesh'.", "mesh"}));
+      return tl::unexpected<Problem>(to_problem(
+          {ErrorCode::kEmptyBody,
+           "The form has no part named 'mesh'. Name the part with the mesh file 'mesh'.", "mesh"}));
   }
 
   const ParameterTable& table = service.parameters();

@@ -49,7 +49,7 @@ Answered Api::on_pool(const ExpectedWork& work, const std::shared_ptr<Request>& 
       [this, request, reply](Error error) {
         answering(*request, reply, [&]() -> Answered {
           release_body(*request);
-          return refusal(std::move(error), request->id);
+          return refusal(with_time(std::move(error), *request), request->id);
         });
       });
   if (overload) return tl::unexpected<Problem>(to_problem(std::move(*overload)));

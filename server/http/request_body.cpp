@@ -26,14 +26,9 @@ constexpr int kPartsInTurn = 200;
 /// Maximum bytes of a chunked body that are kept in one string.
 constexpr std::size_t kBodyPiece = 256u << 10;
 
-Problem over_limit(const Admission& admission) {
-  return Problem(HttpProblem::kBodyTooLarge,
-                 "The body is larger than the limit of " + std::to_string(admission.max_body) + " bytes.");
-}
-
 /// Explains an error of the parser or the socket. Returns nothing if the client is gone.
 std::optional<Problem> explain(error_code ec, const Admission& admission) {
-  if (ec == bhttp::error::body_limit) return over_limit(admission);
+  if (ec == bhttp::error::body_limit) return body_too_large(admission, {});
   if (ec == bhttp::error::buffer_overflow)
     return Problem(HttpProblem::kHeaderTooLarge,
                    "The body has oversized chunk extensions or trailer fields.");
@@ -63,7 +58,7 @@ asio::awaitable<BodyOutcome> read_body(TimedSocket& connection, beast::flat_buff
   parser.body_limit(admission.max_body);
   error_code ec;
   const std::size_t used = parser.put(asio::buffer(buffer.cdata().data(), head_size), ec);
-  if (ec == bhttp::error::body_limit) co_return refused(over_limit(admission));
+  if (ec == bhttp::error::body_limit) co_return refused(body_too_large(admission, {}));
   if ((ec && ec != bhttp::error::need_more) || !parser.is_header_done() || used != head_size)
     co_return refused(
         Problem(HttpProblem::kMalformedRequest, "The header cannot be parsed (" + ec.message() + ")."));

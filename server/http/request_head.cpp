@@ -75,7 +75,8 @@ OrProblem<bool> parse_request_line(std::string_view line, RequestHead& head, con
         "The path has a '/' written as %2F: proxies and servers disagree about its meaning.");
   const std::optional<std::string> path = percent_decode(target.substr(0, mark), Plus::kIsPlus);
   if (!path || path->find('\0') != std::string::npos)
-    return malformed_request("The path has a malformed percent escape.");
+    return malformed_request(
+        "The path has a malformed percent escape. Two hex digits must follow '%'; write %25 for a percent sign.");
   head.method = method;
   head.path = *path;
   if (mark != std::string_view::npos) head.query = target.substr(mark + 1);

@@ -7,6 +7,7 @@
 #include <system_error>
 #include <utility>
 
+#include "common/base/words.hpp"
 #include "common/import/picture_heads.hpp"
 
 namespace fracture {
@@ -129,8 +130,8 @@ std::optional<Expected<Mesh>> ImportPool::import_within(Try& attempt, const Inpu
     const bool no_room = !result && result.error().code == ErrorCode::kOverloaded;
     if (lacked_memory(result) && attempt.memory_bytes > 0)
       result.error().detail =
-          "The importer needed more than " + std::to_string(attempt.memory_bytes) +
-          " bytes of memory for this file. The limit is --import-memory, or half of the part of "
+          "The importer needed more than " + data_size(attempt.memory_bytes) +
+          " of memory for this file. The limit is --import-memory, or half of the part of "
           "--max-working that one computation may use. Send a smaller mesh, or raise these settings.";
     if (lacked_memory(result))
       memo_.add(input.name, result.error(), most_of(attempt.memory_bytes));

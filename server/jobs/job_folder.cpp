@@ -52,7 +52,7 @@ Expected<bool> JobFolder::take() {
     for (const char* kind : {"tmp", "quarantine", kRecords, kMeshes, kBegun})
       fs::create_directories(config_.folder + "/" + kind);
   } catch (const fs::filesystem_error& e) {
-    return fail(ErrorCode::kFileAccess, e.what());
+    return tl::unexpected<Error>(unusable_folder(config_.folder, e));
   }
   return true;
 }

@@ -7,6 +7,7 @@
 #include <random>
 #include <utility>
 
+#include "common/base/words.hpp"
 #include "server/jobs/job_percent.hpp"
 
 namespace fracture {
@@ -272,8 +273,10 @@ bool Jobs::cancel(const std::string& id) {
 void Jobs::fail_locked(const Shared& job, Error error) {
   if (error.code == ErrorCode::kDeadlineExceeded)
     error.detail =
-        "The job was stopped because its deadline passed: the server's --job-deadline or the request's "
-        "Request-Timeout. Ask for fewer sites, send a smaller mesh, or raise the deadline.";
+        "The job was stopped because its deadline passed. That is the request's Request-Timeout, or at most the server's "
+        "--job-deadline of " +
+        short_number(static_cast<double>(config_.deadline.count()) / 1000) +
+        " s. Ask for fewer sites, send a smaller mesh, or allow more time.";
   const Counted recount(*this, *job);
   job->waiting = false;
   job->view.state = error.code == ErrorCode::kCancelled ? JobState::kCancelled : JobState::kFailed;

@@ -10,6 +10,7 @@
 #include <string_view>
 #include <utility>
 
+#include "common/base/words.hpp"
 #include "common/parameters/parameter_object.hpp"
 #include "server/jobs/jobs.hpp"
 
@@ -300,9 +301,9 @@ std::optional<Error> Jobs::resume_one(const Shared& job) {
     terms.deadline = *job->deadline;
   }
   if (const std::uint64_t most = dispatcher_.working().capacity(); record.mesh_bytes > most)
-    return lost({ErrorCode::kJobLost, "The mesh of this job has " + std::to_string(record.mesh_bytes) +
-                                          " bytes; the limit for a computation is " + std::to_string(most) +
-                                          " (--max-working). Send a smaller mesh."});
+    return lost({ErrorCode::kJobLost, "The mesh of this job has " + data_size(record.mesh_bytes) +
+                                          "; the limit for a computation is " + data_size(most) +
+                                          " (--max-working). Send a smaller mesh, or raise the limit."});
   terms.least_bytes = std::max(least_bytes, record.mesh_bytes);  // the mesh is read before admission
   if (auto refused = refuses(terms)) return refused;
   const std::optional<JobRecord> whole = folder_->read(record.id);

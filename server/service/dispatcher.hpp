@@ -56,6 +56,7 @@ struct DispatcherConfig {
 struct Terms {
   Priority priority = Priority::kBatch;
   std::chrono::steady_clock::time_point deadline = std::chrono::steady_clock::time_point::max();
+  std::string allowed{};   ///< the time until the deadline and its setting, for errors: "60 s (--deadline)"
   std::stop_token gone{};  ///< stop is requested when nobody wants the answer any more
   /// Called with (stage, fraction of it) by the computing thread; must be thread-safe and cheap.
   std::function<void(Stage, double)> progress{};

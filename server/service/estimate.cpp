@@ -228,7 +228,15 @@ CostliestParameter fewer_sites_of_hits(const FractureParameters& p, const Solid&
   return {"local_sites", count, expected_working_bytes(with(count), solid)};
 }
 
-std::string megabytes(double bytes) { return short_number(std::ceil(bytes / 1e6)) + " MB"; }
+std::string size_in_words(double bytes) { return data_size(static_cast<std::uint64_t>(bytes)); }
+
+/// Returns the memory that a request needs and the limit, without advice.
+std::string need_in_words(const ExpectedAnswer& expected, double limit, const std::string& setting) {
+  return "This request needs about " + size_in_words(expected.working_bytes) + " of memory, for about " +
+         counted(static_cast<std::uint64_t>(expected.triangles), "triangle", "triangles") + " in " +
+         counted(static_cast<std::uint64_t>(expected.fragments), "fragment", "fragments") +
+         "; the limit for one computation is " + size_in_words(limit) + " (" + setting + ").";
+}
 
 }  // namespace
 
@@ -269,36 +277,37 @@ CostliestParameter costliest_parameter(const RequestParameters& asked, const Sol
   return {name, count, expected_working_bytes(with(count), solid)};
 }
 
-std::string advice_for_less_memory(const RequestParameters& asked, const Solid& solid, double limit) {
+std::string advice_for_less_memory(const RequestParameters& asked, const Solid& solid, double limit,
+                                   const std::string& setting) {
   const CostliestParameter costliest = costliest_parameter(asked, solid, limit);
+  const std::string or_raise = ", or raise " + setting + ".";
   if (costliest.name.empty())
-    return "The mesh itself takes most of it: send one with fewer than its " +
-           grouped(solid.triangles.size()) + " triangles.";
-  if (costliest.value.is_null())
-    return "Most of it is for '" + costliest.name + "': use a larger value, so that there are fewer cells.";
-  std::string text = "Most of it is for '" + costliest.name + "': " + costliest.name + "=" +
-                     costliest.value.dump() + " takes about " + megabytes(costliest.working_bytes) + ".";
-  if (costliest.name != "rough_amplitude" || costliest.working_bytes <= limit) return text;
+    return "Most of the memory is for the mesh itself: send one with fewer than its " +
+           grouped(solid.triangles.size()) + " triangles" + or_raise;
+  const std::string most = "Most of the memory is for '" + costliest.name + "': ";
+  if (costliest.value.is_null()) return most + "use a larger value, so that there are fewer cells" + or_raise;
+  std::string text =
+      most + "use " + costliest.name + "=" + costliest.value.dump() +
+      (costliest.value.is_number_integer() && costliest.value.get<std::uint64_t>() > 0 ? " or fewer" : "") +
+      " (about " + size_in_words(costliest.working_bytes) + ")";
+  if (costliest.name != "rough_amplitude" || costliest.working_bytes <= limit) return text + or_raise;
   RequestParameters smooth = asked;
   smooth.fracture.roughness.amplitude = 0;
   const CostliestParameter next = costliest_parameter(smooth, solid, limit);
   if (next.value.is_number_integer())
-    text += " With " + next.name + "=" + next.value.dump() + " as well, it takes about " +
-            megabytes(next.working_bytes) + ".";
-  return text;
+    text += ", and with it " + next.name + "=" + next.value.dump() + " or fewer (about " +
+            size_in_words(next.working_bytes) + ")";
+  return text + or_raise;
 }
 
-std::optional<Error> cannot_fit(const RequestParameters& asked, const Solid& solid, std::uint64_t limit) {
+std::optional<Error> cannot_fit(const RequestParameters& asked, const Solid& solid, std::uint64_t limit,
+                                const std::string& setting) {
   if (asked.selection.new_hits || asked.selection.refracture) return std::nullopt;
   const auto most = static_cast<double>(limit);
   const ExpectedAnswer expected = expected_answer(asked, solid);
   if (!(expected.working_bytes > kEstimateFactor * most)) return std::nullopt;
-  Error error{ErrorCode::kTooComplex,
-              "This request needs about " + megabytes(expected.working_bytes) +
-                  " of working memory, for about " + grouped(static_cast<std::uint64_t>(expected.triangles)) +
-                  " triangles in " + grouped(static_cast<std::uint64_t>(expected.fragments)) +
-                  " fragments, and a computation may use " + megabytes(most) + ". " +
-                  advice_for_less_memory(asked, solid, most)};
+  Error error{ErrorCode::kTooComplex, need_in_words(expected, most, setting) + " " +
+                                          advice_for_less_memory(asked, solid, most, setting)};
   const CostliestParameter costliest = costliest_parameter(asked, solid, most);
   error.pointer = costliest.name;
   error.extra = Figures(nlohmann::json{{"bytes", static_cast<std::uint64_t>(expected.working_bytes)},
@@ -309,12 +318,21 @@ std::optional<Error> cannot_fit(const RequestParameters& asked, const Solid& sol
   return error;
 }
 
-nlohmann::json estimate_document(const RequestParameters& asked, const Solid& solid, std::uint64_t limit) {
+nlohmann::json estimate_document(const RequestParameters& asked, const Solid& solid, std::uint64_t limit,
+                                 const std::string& setting) {
   const auto whole = [](double number) { return static_cast<std::uint64_t>(std::llround(number)); };
   const ExpectedAnswer expected = expected_answer(asked, solid);
   const auto most = limit > 0 ? static_cast<double>(limit) : expected.working_bytes;
   const std::string name = costliest_parameter(asked, solid, most).name;
-  const std::optional<Error> error = limit > 0 ? cannot_fit(asked, solid, limit) : std::nullopt;
+  const std::optional<Error> error = limit > 0 ? cannot_fit(asked, solid, limit, setting) : std::nullopt;
+  std::optional<std::string> advice;
+  if (error)
+    advice = error->detail;
+  else if (expected.working_bytes > most)
+    advice = need_in_words(expected, most, setting) +
+             " The estimate may be twice the real number, so the request is computed, and is refused if it "
+             "reaches the limit. " +
+             advice_for_less_memory(asked, solid, most, setting);
   return {{"sites", whole(expected.sites)},
           {"fragments", whole(expected.fragments)},
           {"triangles", whole(expected.triangles)},
@@ -323,16 +341,17 @@ nlohmann::json estimate_document(const RequestParameters& asked, const Solid& so
           {"limit_bytes", limit > 0 ? nlohmann::json(limit) : nlohmann::json()},
           {"fits", !error},
           {"costliest", name.empty() ? nlohmann::json() : nlohmann::json(name)},
-          {"advice", error ? nlohmann::json(error->detail) : nlohmann::json()}};
+          {"advice", advice ? nlohmann::json(*advice) : nlohmann::json()}};
 }
 
-Error with_advice(Error error, const RequestParameters& asked, const Solid& solid) {
+Error with_advice(Error error, const RequestParameters& asked, const Solid& solid,
+                  const std::string& setting) {
   if (error.code != ErrorCode::kTooComplex || !error.extra->contains("limit") ||
       !error.extra->contains("grew"))
     return error;
   const std::string general = " " + std::string(kAdviceForFewerProducts);
   if (const std::size_t at = error.detail.find(general); at != std::string::npos) error.detail.erase(at);
-  error.detail += " " + advice_for_less_memory(asked, solid, error.extra->at("limit").get<double>());
+  error.detail += " " + advice_for_less_memory(asked, solid, error.extra->at("limit").get<double>(), setting);
   return error;
 }
 

@@ -39,21 +39,30 @@ struct CostliestParameter {
 /// `limit`: bytes that the computation may hold.
 CostliestParameter costliest_parameter(const RequestParameters& asked, const Solid& solid, double limit);
 
-/// Returns the sentence that says what to change: "Most of it is for 'rough_amplitude': …".
-std::string advice_for_less_memory(const RequestParameters& asked, const Solid& solid, double limit);
+/// The setting that limits the memory of a computation on a server.
+inline constexpr const char* kWorkingSetting = "--max-working";
+
+/// Returns the sentence that says what to change: "Most of the memory is for 'rough_amplitude': …". `setting`: what to raise
+/// instead.
+std::string advice_for_less_memory(const RequestParameters& asked, const Solid& solid, double limit,
+                                   const std::string& setting = kWorkingSetting);
 
 /// An estimate may be twice the real number. So a request is refused only if its estimate is more than this many times the limit.
 inline constexpr double kEstimateFactor = 2;
 
 /// Refuses a request that cannot fit into `limit` bytes (kTooComplex). Requests that start from a kept answer are never refused,
 /// because they make only its changes.
-std::optional<Error> cannot_fit(const RequestParameters& asked, const Solid& solid, std::uint64_t limit);
+std::optional<Error> cannot_fit(const RequestParameters& asked, const Solid& solid, std::uint64_t limit,
+                                const std::string& setting = kWorkingSetting);
 
 /// Returns {sites, fragments, triangles, bytes, working_bytes, limit_bytes, fits, costliest, advice}: the body of
-/// POST /meshes/{id}/estimate. `limit`: 0: none, and limit_bytes is null.
-nlohmann::json estimate_document(const RequestParameters& asked, const Solid& solid, std::uint64_t limit);
+/// POST /meshes/{id}/estimate. `limit`: 0: none, and limit_bytes is null. `advice` is null only if working_bytes is within the
+/// limit. `fits` is false only if the request would be refused at once.
+nlohmann::json estimate_document(const RequestParameters& asked, const Solid& solid, std::uint64_t limit,
+                                 const std::string& setting = kWorkingSetting);
 
 /// Replaces the advice of an error kTooComplex that a computation ended with; other errors stay as they are.
-Error with_advice(Error error, const RequestParameters& asked, const Solid& solid);
+Error with_advice(Error error, const RequestParameters& asked, const Solid& solid,
+                  const std::string& setting = kWorkingSetting);
 
 }  // namespace fracture

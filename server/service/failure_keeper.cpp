@@ -17,6 +17,7 @@
 #include "common/parameters/as_text.hpp"
 #include "common/pipeline/algorithm_version.hpp"
 #include "common/pipeline/fracture.hpp"
+#include "server/cache/folder_lock.hpp"
 
 namespace fracture {
 namespace {
@@ -145,7 +146,7 @@ Expected<void> FailureKeeper::make_folder() const {
   fs::create_directories(config_.folder, error);
   if (!error && ::access(config_.folder.c_str(), W_OK | X_OK) != 0)
     error = std::error_code(errno, std::generic_category());
-  if (error) return fail(ErrorCode::kFileAccess, config_.folder + ": " + error.message());
+  if (error) return tl::unexpected<Error>(unusable_folder(config_.folder, error.message()));
   return {};
 }
 

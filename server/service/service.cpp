@@ -114,12 +114,12 @@ void check_size_of_pieces(const PreparedMesh& mesh, const FractureRequest& reque
 
 Error to_error(const Interrupted& interrupted) {
   if (interrupted.error) return *interrupted.error;
-  return {interrupted.code,
-          interrupted.code == ErrorCode::kDeadlineExceeded
-              ? "The work was stopped because its deadline passed: the server's --deadline or "
-                "--realtime-deadline, or the Request-Timeout of the request. Ask for fewer sites, send a "
-                "smaller mesh, or allow more time."
-              : "The work was cancelled before it was done."};
+  return {
+      interrupted.code,
+      interrupted.code == ErrorCode::kDeadlineExceeded
+          ? "The work was stopped because its deadline passed. Ask for fewer sites, send a smaller mesh, or allow "
+            "more time."
+          : "The work was cancelled before it was done."};
 }
 
 FractureService::FractureService(const ServiceConfig& config, std::unique_ptr<FractureEngine> engine)
@@ -209,7 +209,8 @@ Expected<FractureAnswer> FractureService::fracture(const FractureRequest& reques
       mesh = std::move(*made);
     }
     if (execution.allowance)
-      if (auto error = cannot_fit(request.parameters, mesh.value->solid, execution.allowance->limit()))
+      if (auto error = cannot_fit(request.parameters, mesh.value->solid, execution.allowance->limit(),
+                                  config_.memory_setting))
         return tl::unexpected<Error>(std::move(*error));
     Step<CutBase> diagram{find_diagram(keys), CacheOutcome::kHit, {}};
     if (!diagram.value) {
@@ -308,7 +309,8 @@ Expected<Step<CutBase>> FractureService::make_diagram(const PreparedMesh& mesh,
     telling.within = &progress;
     Expected<CutBase> made = engine_->base(mesh.solid, *parameters, request.parameters.selection, telling);
     if (!made)
-      return tl::unexpected<Error>(with_advice(std::move(made.error()), request.parameters, mesh.solid));
+      return tl::unexpected<Error>(
+          with_advice(std::move(made.error()), request.parameters, mesh.solid, config_.memory_setting));
     base = std::make_shared<const CutBase>(std::move(*made));
   }
   step.value = base;
@@ -338,7 +340,8 @@ Expected<FracturedSolid> FractureService::make_result(const PreparedMesh& mesh, 
   }();
   if (!cut) {
     if (cut.error().code == ErrorCode::kUnsound) failures_.add(keys.result, cut.error());
-    return tl::unexpected<Error>(with_advice(std::move(cut.error()), request.parameters, mesh.solid));
+    return tl::unexpected<Error>(
+        with_advice(std::move(cut.error()), request.parameters, mesh.solid, config_.memory_setting));
   }
   FracturedSolid& fractured = cut->fractured;
   execution.poll();

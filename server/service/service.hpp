@@ -41,7 +41,8 @@ struct ServiceConfig {
   /// Memory that one computation may hold, in bytes, if its execution has no allowance; 0: no limit. Readers of meshes
   /// get a share of it.
   std::uint64_t max_bytes_per_job = 0;
-  TiersConfig tiers;  ///< the cache tiers below the result cache
+  std::string memory_setting = "--max-working";  ///< the flag that limits this memory, for error messages
+  TiersConfig tiers;                             ///< the cache tiers below the result cache
 };
 
 /// A mesh that is ready for any number of fractures.

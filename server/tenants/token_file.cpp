@@ -3,12 +3,15 @@
 #include <openssl/crypto.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <sstream>
 #include <utility>
 
+#include "common/base/words.hpp"
 #include "common/digest/digest.hpp"
 
 namespace fracture::tenants {
@@ -27,18 +30,23 @@ bool is_token(std::string_view s) {
 
 Expected<TokenFile> TokenFile::load(const std::string& path) {
   // Reading a pipe could block the thread that handles SIGHUP, and this thread also handles SIGTERM.
+  const std::string file_name = "'" + path + "'";
   if (std::error_code gone; !std::filesystem::is_regular_file(path, gone))
-    return fail(ErrorCode::kFileAccess, path + (gone ? " cannot be read" : " is not a regular file"));
+    return fail(ErrorCode::kFileAccess,
+                file_name + (gone ? " cannot be read: " + gone.message() + "." : " is not a regular file."));
+  errno = 0;
   std::ifstream file(path, std::ios::binary);
   std::string text(kMaxBytes + 1, '\0');
   file.read(text.data(), static_cast<std::streamsize>(text.size()));
-  if (!file.is_open() || file.bad()) return fail(ErrorCode::kFileAccess, path + " cannot be read");
+  if (!file.is_open() || file.bad())
+    return fail(ErrorCode::kFileAccess,
+                file_name + " cannot be read: " + std::strerror(errno != 0 ? errno : EIO) + ".");
   text.resize(static_cast<std::size_t>(file.gcount()));
   if (text.size() > kMaxBytes)
     return fail(ErrorCode::kTooLarge,
-                path + " has more than the limit of " + std::to_string(kMaxBytes) + " bytes");
+                file_name + " has more than the limit of " + grouped(kMaxBytes) + " bytes.");
   auto tokens = parse(text);
-  if (!tokens) return fail(tokens.error().code, path + tokens.error().detail);
+  if (!tokens) return fail(tokens.error().code, file_name + tokens.error().detail + ".");
   return tokens;
 }
 
@@ -54,7 +62,7 @@ Expected<TokenFile> TokenFile::parse_lines(std::string_view text) {
   std::string line;
   for (int number = 1; std::getline(lines, line); ++number) {
     const auto wrong = [number](const std::string& what) {
-      return fail(ErrorCode::kBadParameter, " line " + std::to_string(number) + ": " + what);
+      return fail(ErrorCode::kBadParameter, ", line " + std::to_string(number) + ": " + what);
     };
     std::istringstream words(line);
     std::string name, token, right, more;

@@ -40,6 +40,14 @@ TEST(JsonReader, RefusesWhatIsNoJson) {
     EXPECT_EQ(fault_of(text), Kind::kSyntax) << text;
 }
 
+TEST(JsonReader, TellsAnEarlyEndFromAnError) {
+  for (const char* text : {"", "{", "[1,", "\"a", "{\"a\": "})
+    EXPECT_TRUE(read_json(text, {}).error().at_end) << text;
+  for (const char* text : {"{]", "[1,]", "{\"a\" 1}", "1 2", "[1}"})
+    EXPECT_FALSE(read_json(text, {}).error().at_end) << text;
+  EXPECT_EQ(to_text(read_json("{\"a\": ", {}).error()), "ends before its JSON is complete (byte 7)");
+}
+
 TEST(JsonReader, RefusesANulAndSaysWhere) {
   const std::string nul(1, '\0');
   for (const std::string& behind :

@@ -61,6 +61,8 @@ TEST(Allowance, NamesWhatGrewBeyondWhatCanEverBeHeld) {
     EXPECT_EQ(interrupted.error->extra->at("grew"), "polygons");
     EXPECT_EQ(interrupted.error->extra->at("limit"), kLimit);
     EXPECT_NE(interrupted.error->detail.find("fewer sites"), std::string::npos);
+    EXPECT_NE(interrupted.error->detail.find("the limit for one computation is 10 kB"), std::string::npos)
+        << interrupted.error->detail;
   }
 }
 
@@ -84,7 +86,7 @@ TEST(Allowance, TellsMemoryThatTheSameClientHoldsFromMemoryOfOthers) {
     EXPECT_EQ(interrupted.code, ErrorCode::kOverShare);
     EXPECT_GT(interrupted.error->retry_after.count(), 0);
     EXPECT_EQ(interrupted.error->detail.find("other computations are using too many"), std::string::npos);
-    EXPECT_NE(interrupted.error->detail.find(std::to_string(1u << 20)), std::string::npos) << "the limit";
+    EXPECT_NE(interrupted.error->detail.find("1.049 MB"), std::string::npos) << "the limit";
   }
 }
 

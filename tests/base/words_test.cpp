@@ -25,6 +25,18 @@ TEST(Words, ThousandsAreGrouped) {
   EXPECT_EQ(grouped(std::numeric_limits<std::uint64_t>::max()), "18,446,744,073,709,551,615");
 }
 
+TEST(Words, SizesAreInPowersOfAThousand) {
+  EXPECT_EQ(data_size(0), "0 bytes");
+  EXPECT_EQ(data_size(1), "1 byte");
+  EXPECT_EQ(data_size(999), "999 bytes");
+  EXPECT_EQ(data_size(1000), "1 kB");
+  EXPECT_EQ(data_size(36'700), "36.7 kB");
+  EXPECT_EQ(data_size(999'960), "1 MB") << "rounded first";
+  EXPECT_EQ(data_size(64u << 20), "67.11 MB");
+  EXPECT_EQ(data_size(1'879'048'192), "1.879 GB");
+  EXPECT_EQ(data_size(1ull << 50), "1126 TB");
+}
+
 TEST(Words, NumbersHaveFourDigitsAndNoExponentUnlessTheyAreTinyOrHuge) {
   EXPECT_EQ(short_number(0), "0");
   EXPECT_EQ(short_number(-0.0), "0");

@@ -226,6 +226,7 @@ TEST(Hollow, WallsThatDoNotFitAreNamedWithTheParameterAndItsLargestValue) {
   const auto thick = warnings(cube(), {.thickness = 0.6});
   ASSERT_EQ(thick.size(), 1u);
   EXPECT_NE(thick[0].find("'shell'"), std::string::npos) << thick[0];
+  EXPECT_TRUE(thick[0].starts_with("The closed part stays solid")) << thick[0];
   EXPECT_NE(thick[0].find("below 0.5 m"), std::string::npos) << thick[0];
   const auto fraction = warnings(cube(), {.fraction = 0.5});
   ASSERT_EQ(fraction.size(), 1u);

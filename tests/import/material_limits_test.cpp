@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "common/base/json_reader.hpp"
+#include "common/base/words.hpp"
 #include "common/mesh/material_library.hpp"
 #include "tests/import/make_files.hpp"
 #include "tests/support/full_tests.hpp"
@@ -66,7 +67,7 @@ TEST(MaterialLimits, MaterialsThatHoldTooMuchElsewhereAreRefused) {
                                          list_of("{}", sized(600'000u, 1'000'000u)) + "}}}");
   ASSERT_FALSE(mesh);
   EXPECT_EQ(mesh.error().code, ErrorCode::kTooLarge);
-  EXPECT_THAT(mesh.error().detail, HasSubstr(std::to_string(kMaxLibraryBytes)));
+  EXPECT_THAT(mesh.error().detail, HasSubstr(data_size(kMaxLibraryBytes)));
 }
 
 }  // namespace

@@ -320,7 +320,8 @@ TEST(ObjImport, LimitsHoldBeforeMemoryIsUsed) {
       import_text("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\nf 1 2 3 4\n", MeshFormat::kObj, few);
   ASSERT_FALSE(triangles);
   EXPECT_EQ(triangles.error().code, ErrorCode::kTooLarge);
-  EXPECT_THAT(triangles.error().detail, HasSubstr("line 6"));
+  EXPECT_THAT(triangles.error().detail,
+              HasSubstr("line 6, the OBJ has 4 triangles; the limit is 3 triangles (--max-triangles"));
   ImportLimits small;
   small.max_decoded_bytes = 1000;
   std::string many;
@@ -329,6 +330,7 @@ TEST(ObjImport, LimitsHoldBeforeMemoryIsUsed) {
   ASSERT_FALSE(bytes);
   EXPECT_EQ(bytes.error().code, ErrorCode::kTooLarge);
   EXPECT_THAT(bytes.error().detail, HasSubstr("line 42"));
+  EXPECT_THAT(bytes.error().detail, HasSubstr("the limit is 1 kB (--max-decoded"));
 }
 
 TEST(ObjImport, AFileCutOffAnywhereIsReadOrRefusedInWords) {

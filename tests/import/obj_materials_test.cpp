@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "common/base/words.hpp"
 #include "common/import/obj_names.hpp"
 #include "common/mesh/material_library.hpp"
 #include "tests/import/make_files.hpp"
@@ -206,7 +207,7 @@ TEST(ObjMaterials, MoreThanTheLimitAreRefused) {
   const auto mesh = import_text("mtllib a.mtl\n" + kTriangle + "f 1 2 3\n", MeshFormat::kObj, {}, {&file, 1});
   ASSERT_FALSE(mesh);
   EXPECT_EQ(mesh.error().code, ErrorCode::kTooLarge);
-  EXPECT_THAT(mesh.error().detail, HasSubstr(std::to_string(kMaxLibraryBytes)));
+  EXPECT_THAT(mesh.error().detail, HasSubstr(data_size(kMaxLibraryBytes)));
 }
 
 }  // namespace

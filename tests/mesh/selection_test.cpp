@@ -11,6 +11,10 @@
 namespace fracture::test {
 namespace {
 
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
 /// Three boxes of volume 1, 2, 4 with the nodes "crate", "wall", "crate". The materials are "wood" (0, 2) and
 /// "stone" (1). The first triangle of the last box has the second box's material.
 Mesh scene() {
@@ -114,6 +118,10 @@ TEST(Selection, WhatIsNotThereIsRefusedWithTheNamesThatAre) {
     EXPECT_EQ(restricted.error().pointer, "nodes");
     EXPECT_EQ(restricted.error().extra->at("known").size(), 2u) << "each name once";
   }
+  EXPECT_THAT(restrict_to(mesh, {.nodes = {"crat"}}).error().detail,
+              AllOf(HasSubstr("no node named 'crat'"), HasSubstr("Did you mean 'crate'?"),
+                    HasSubstr("an index from 0 to 2")));
+  EXPECT_THAT(restrict_to(mesh, {.nodes = {"nosuch"}}).error().detail, Not(HasSubstr("Did you mean")));
   EXPECT_EQ(restrict_to(mesh, {.materials = {"glass"}}).error().pointer, "materials");
   EXPECT_FALSE(restrict_to(mesh, {.nodes = {"wall"}, .materials = {"wood"}})) << "empty";
   EXPECT_EQ(mesh.triangles.size(), 36u);

@@ -72,6 +72,13 @@ TEST(ParameterGroups, AnUnknownNameIsAnsweredWithTheParameterWithThisSynonym) {
                     HasSubstr("bake --help")));
 }
 
+TEST(ParameterGroups, AnUnknownNameIsAnsweredWithNearNamesOnly) {
+  const std::string sed = parse_text("sed", "1").error().detail;
+  EXPECT_THAT(sed, AllOf(HasSubstr("Did you mean 'seed'?"), Not(HasSubstr("gravity"))));
+  EXPECT_THAT(parse_text("xyzzyxyzzy", "1").error().detail,
+              AllOf(Not(HasSubstr("Did you mean")), HasSubstr("GET /limits")));
+}
+
 TEST(ParameterGroups, AWrongChoiceIsAnsweredWithTheNearest) {
   const struct {
     const char *name, *given, *meant;

@@ -31,7 +31,7 @@ TEST(Parameters, EverythingThatIsNoNumberInRangeIsRefusedWithValueAndRange) {
     ASSERT_FALSE(parsed) << bad;
     EXPECT_EQ(parsed.error().code, ErrorCode::kBadParameter) << bad;
     EXPECT_EQ(parsed.error().pointer, "sites") << bad;
-    EXPECT_NE(parsed.error().detail.find("from 1 to 100000"), std::string::npos) << parsed.error().detail;
+    EXPECT_NE(parsed.error().detail.find("from 1 to 100,000"), std::string::npos) << parsed.error().detail;
     EXPECT_NE(parsed.error().detail.find(std::string("'") + bad + "'"), std::string::npos)
         << parsed.error().detail;
   }
@@ -50,7 +50,7 @@ TEST(Parameters, NumbersAreDecimalsInTheirRange) {
     const auto parsed = parse_text("thickness", bad);
     ASSERT_FALSE(parsed) << bad;
     EXPECT_EQ(parsed.error().code, ErrorCode::kBadParameter) << bad;
-    EXPECT_NE(parsed.error().detail.find("from 0 to 1000"), std::string::npos) << parsed.error().detail;
+    EXPECT_NE(parsed.error().detail.find("from 0 to 1,000"), std::string::npos) << parsed.error().detail;
   }
   EXPECT_FALSE(table().parse({{"thickness", "1", false}}));
   EXPECT_FALSE(parse_text("weld_tolerance", "0.02"));
@@ -246,7 +246,10 @@ TEST(Parameters, BadPatternsAndMaterialsAreRefusedWithTheLegalOnes) {
   };
   EXPECT_NE(detail({{"material", "wodo"}}).find("glass, wood, concrete"), std::string::npos);
   EXPECT_NE(detail({{"pattern", "star"}}).find("uniform, points, impact"), std::string::npos);
-  EXPECT_NE(detail({{"pattern", "impact"}, {"radius", "-1"}}).find("from 1e-06 to 1e+06"), std::string::npos);
+  EXPECT_NE(detail({{"pattern", "impact"}, {"radius", "-1"}}).find("from 1e-06 to 1,000,000"),
+            std::string::npos);
+  EXPECT_NE(detail({{"anchor_plane", "1"}}).find("must be 2 vectors of three numbers from -100,000,000 to"),
+            std::string::npos);
   EXPECT_NE(detail({{"rings", "5"}}).find("belongs to the radial pattern"), std::string::npos);
   EXPECT_NE(detail({{"pattern", "points"}}).find("needs 'points'"), std::string::npos);
   EXPECT_NE(detail({{"pattern", "points"}, {"points", "0,0,0"}, {"sites", "5"}}).find("'sites' belongs"),

@@ -189,8 +189,8 @@ TEST(PartSets, AnEntryWithoutEffectIsNamedWithTheNearestNames) {
   ASSERT_EQ(warnings.size(), 4u);
   EXPECT_EQ(
       warnings[0],
-      "Entry 1 of 'assign' (node 'Windov') matches no part, so it has no effect. The names are 'Window', 'Wall_1', "
-      "'Wall_2', 'House'. Correct the entry, or leave it out.");
+      "Entry 1 of 'assign' (node 'Windov') matches no part, so it has no effect. Did you mean 'Window'? "
+      "`fracture-server inspect --json` and GET /meshes/{id} list the names. Correct the entry, or leave it out.");
   EXPECT_NE(
       warnings[1].find("(slot 'Glas') matches no part, so it has no effect. The names are 'Glass', 'Brick'."),
       std::string::npos)

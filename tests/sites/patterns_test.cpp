@@ -154,15 +154,21 @@ TEST(GridPattern, CountsAndCellsAreAsAsked) {
 
 TEST(Patterns, TooManySitesAreATypedError) {
   const Solid solid = solid_of(cube());
-  for (const SitePattern& pattern : std::vector<SitePattern>{
-           GridPattern{.cell = Vec3d{1e-4, 1e-4, 1e-4}}, BrickPattern{.cell = Vec3d{1e-6, 1e-6, 1e-6}},
-           SlicePattern{.spacing = 1e-6}, RadialPattern{.spokes = 720, .rings = 1000},
-           SlicePattern{.normals = {{1, 0, 0}, {0, 1, 0}}, .spacing = 1e-6}}) {
+  const std::pair<SitePattern, const char*> cases[] = {
+      {GridPattern{.cell = Vec3d{1e-4, 1e-4, 1e-4}}, "cell"},
+      {BrickPattern{.cell = Vec3d{1e-6, 1e-6, 1e-6}}, "cell"},
+      {SlicePattern{.spacing = 1e-6}, "spacing"},
+      {RadialPattern{.spokes = 720, .rings = 1000}, "rings"},
+      {SlicePattern{.normals = {{1, 0, 0}, {0, 1, 0}}, .spacing = 1e-6}, "spacing"}};
+  for (const auto& [pattern, parameter] : cases) {
     SiteParameters p;
     p.pattern = pattern;
     const Expected<SitePlan> plan = plan_sites(solid, p, {});
     ASSERT_FALSE(plan);
     EXPECT_EQ(plan.error().code, ErrorCode::kTooComplex);
+    EXPECT_EQ(plan.error().pointer, parameter);
+    EXPECT_NE(plan.error().detail.find("the limit is 100,000 (--max-sites"), std::string::npos)
+        << plan.error().detail;
   }
 }
 

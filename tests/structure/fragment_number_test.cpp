@@ -145,12 +145,47 @@ TEST(FragmentNumber, FewerBecauseOfMaxFragmentsAreANoteAndBecauseOfTheCellsAWarn
   p = asking_for(40, PointsPattern{random_sites(box_of(cube()), 20, 1)});
   p.size.min_of_mean = 0.002;
   const Fractured few = fracture_mesh(cube(), p);
-  EXPECT_TRUE(
-      warns(few.report, "40 fragments were asked for, and 20 were made, because the pattern has no more"));
-  EXPECT_TRUE(warns(few.report, "Ask for more 'sites', or lower the limits ('min_of_mean')."));
+  EXPECT_TRUE(warns(
+      few.report,
+      "40 fragments were asked for, and 20 were made, because 'points' has 20 points. Give at least 40."));
   EXPECT_TRUE(few.report.remarks.notes.empty());
   const Mesh two = joined({cube(), translated(cube(), {3, 0, 0})});
   EXPECT_TRUE(warns(fracture_mesh(two, asking_for(1)).report, "1 fragment was asked for, and 2 were made"));
+}
+
+TEST(FragmentNumber, TheReasonForALargeFragmentIsOneCause) {
+  FractureParameters p;
+  p.sites = 60;
+  p.max_volume = 0.02;
+  p.size.max_fragments = 10;
+  const Fractured made = fracture_mesh(cube(), p);
+  EXPECT_EQ(made.set.fragments.size(), 10u);
+  EXPECT_TRUE(warns(made.report,
+                    "although 'max_volume' is 0.02 m³, because pieces were merged to meet 'max_fragments'."));
+}
+
+TEST(FragmentNumber, TheReasonForFewerIsOneCause) {
+  FractureParameters p = asking_for(40);
+  p.sites = 10;
+  EXPECT_TRUE(warns(
+      fracture_mesh(cube(), p).report,
+      "40 fragments were asked for, and 10 were made, because 'sites' is 10. Raise 'sites' to at least 40"));
+  p.size.min_volume = 1;
+  const Fractured one = fracture_mesh(cube(), p);
+  EXPECT_EQ(one.set.fragments.size(), 1u);
+  EXPECT_TRUE(warns(one.report, "because 'min_volume' merges small pieces."));
+  EXPECT_FALSE(warns(one.report, "'sites'"));
+  p = asking_for(40);
+  p.sites = 39;
+  p.keep = Region{.shape = Region::Shape::kSphere, .center = {0, 0, 0}, .radius = 100};
+  const Fractured kept = fracture_mesh(cube(), p);
+  EXPECT_TRUE(warns(
+      kept.report,
+      "because the region of 'keep_center' and 'keep_radius' contains the whole mesh. Make the region smaller."));
+  EXPECT_FALSE(warns(kept.report, "'sites'"));
+  p = asking_for(40, GridPattern{.cell = Vec3d{0.5, 0.5, 0.5}});
+  EXPECT_TRUE(warns(fracture_mesh(cube(), p).report,
+                    "because the pattern with this 'cell' cuts the mesh into 8 pieces. Use a smaller"));
 }
 
 // The sites are cached under a key that includes the number of fragments but no other size limit.

@@ -78,7 +78,8 @@ TEST(LocalImpact, AHitBesideTheSolidBreaksNothingAndSaysSo) {
   ASSERT_EQ(after.fragments.size(), before.fragments.size());
   for (std::size_t k = 0; k < after.fragments.size(); ++k)
     EXPECT_EQ(after.fragments[k].id, before.fragments[k].id);
-  EXPECT_TRUE(warns(made.report, "Hit 1 breaks nothing off"));
+  EXPECT_TRUE(warns(made.report, "Hit 1 breaks nothing off, because 0,"));
+  EXPECT_TRUE(warns(made.report, " m from the mesh and its 'local_radius' is "));
 }
 
 TEST(LocalImpact, ASecondHitAtTheSamePlaceBreaksFurther) {

@@ -8,7 +8,7 @@ class Dropped(NamedTuple):
     """Something in the source that the answer does not contain. As text: "light Lamp: fragments have no lights"."""
 
     what: str  # kind: "light", "camera", "animation", "extension", …
-    name: str  # name in the source, or the place there; long lists end with an entry such as "12 more"
+    name: str  # name in the source, or the place there; empty if it has none
     reason: str
 
     def __str__(self) -> str:

@@ -44,7 +44,7 @@ export interface Rest {
 export interface Dropped {
   /** Kind: light, camera, animation, extension, …. */
   what: string;
-  /** Name in the source, or the place there. Long lists end with an entry such as `12 more`. */
+  /** Name in the source, or the place there; empty if it has none. Long lists end with an entry with the reason `12 more are not listed`. */
   name: string;
   reason: string;
 }

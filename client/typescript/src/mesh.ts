@@ -33,7 +33,7 @@ export interface Estimate {
   fits: boolean;
   /** The parameter that takes most of the memory; null if the mesh itself does. */
   costliest: string | null;
-  /** If it does not fit: why, and what to change. */
+  /** If working_bytes is above limit_bytes: why, and what to change. */
   advice: string | null;
 }
 

@@ -146,6 +146,8 @@ TEST_F(BakePlanTest, SaysWhichLineOrPathIsWrong) {
            {manifest("nonsense"), "Line 2 of '" + (folder / "0.ndjson'")},
            {manifest("[1]"), line},
            {manifest("{\"input\": oak}"), line + ": it is not a JSON object (column 11)"},
+           {manifest("{\"input\": \"a\""),
+            line + ": the line ends before its JSON object is complete (column 14)"},
            {{.manifest = folder.path}, "Is a directory"},
            {manifest("{\"input\": [\"" + std::string(5000, 'a') + "\"]}"), std::string(190, 'a') + "..."},
            {manifest("{\"input\": \"a\"}"), line + ": 'output' is missing"},

@@ -103,8 +103,8 @@ TEST_F(BakeRulesTest, MatchingIsBoundedAndStops) {
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::kTooLarge);
   EXPECT_EQ(refused.error().detail,
-            "Its 20000 names need more than 200000000 comparisons with the patterns of '" + path +
-                "' up to rule 1.");
+            "Its 20,000 names need more than 200,000,000 comparisons with the patterns of '" + path +
+                "' up to rule 1. Use simpler patterns.");
   std::stop_source stop;
   stop.request_stop();
   const auto stopped = RuleTally(late).find("a.obj", names, stop.get_token());
@@ -220,15 +220,17 @@ TEST_F(BakeRulesTest, RulesByNameBecomeEntriesForTheirParts) {
 }
 
 TEST_F(BakeRulesTest, WhatIsWrongIsNamedWithItsPlaceAndLimit) {
-  const std::string rule = "Rule 1 of '" + path + "': ", file = "The rules '" + path + "': ";
+  const std::string rule = "Rule 1 of '" + path + "': ", file = "The rules file '" + path + "': ";
   const auto long_text = [](std::size_t n) { return std::string(n, 'a'); };
   const std::pair<std::string, std::string> cases[] = {
       {"{\n\n\"rules\": oak}", file + "line 3, column 10: not valid JSON."},
       {"oak", file + "line 1, column 1: not valid JSON."},
       {"{}\n}", file + "line 2, column 1: not valid JSON."},
+      {"{\"rules\": [\n", file + "the JSON ends before it is complete (line 2, column 1)."},
+      {"", file + "the JSON ends before it is complete (line 1, column 1)."},
       {R"({"rules": [], "rules": []})", file + "the file names 'rules' more than once."},
       {"[]", file + "it must be an object with the list 'rules'."},
-      {R"({"rules": []})", file + "there must be 1 to 1000 rules; it has 0."},
+      {R"({"rules": []})", file + "there must be 1 to 1,000 rules; it has 0."},
       {R"({"rules": [1], "version": 2})", file + "'version' is not known; only 'rules' is allowed."},
       {R"({"rules": [1]})", rule + "it must be an object."},
       {R"({"rules": [{"match": {"path": "*"}}]})", rule + "'parameters' is missing."},
@@ -247,14 +249,14 @@ TEST_F(BakeRulesTest, WhatIsWrongIsNamedWithItsPlaceAndLimit) {
        rule + "a pattern of 'node' must not contain a NUL character; it was \"b\\u0000c\"."},
       {with_match("{\"path\": \"" + long_text(1001) + "\"}"),
        rule + "a pattern of 'path' must have 1 to 1000 bytes; it had 1001."},
-      {long_text(kMaxRuleFileBytes + 1), file + "the file has more than the limit of 1048576 bytes."},
+      {long_text(kMaxRuleFileBytes + 1), file + "the file has more than the limit of 1,048,576 bytes."},
   };
   for (const auto& [text, detail] : cases) EXPECT_EQ(refused(text), detail) << text.substr(0, 100);
   EXPECT_EQ(refused(with_match("{\"path\": \"" + long_text(1000) + "\"}")), "");
   EXPECT_EQ(read_rules(folder / "absent").error().detail,
-            "The rules '" + (folder / "absent") + "' cannot be read: No such file or directory.");
+            "The rules file '" + (folder / "absent") + "' cannot be read: No such file or directory.");
   EXPECT_EQ(read_rules(folder.path).error().detail,
-            "The rules '" + folder.path + "' cannot be read: Is a directory.");
+            "The rules file '" + folder.path + "' cannot be read: Is a directory.");
 }
 
 TEST_F(BakeRulesTest, ParametersOfARuleAreCheckedWithThoseOfTheCommandLineBeforeAnythingIsMade) {

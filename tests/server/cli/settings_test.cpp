@@ -113,7 +113,8 @@ TEST_F(Settings, EveryMistakeIsNamedAtOnceWithItsPlace) {
       errors,
       testing::UnorderedElementsAre(
           testing::AllOf(HasSubstr("max-body must be"), HasSubstr("'12x'"), HasSubstr("(--max-body)")),
-          testing::AllOf(HasSubstr("log-level must be one of"), HasSubstr("'loud'")),
+          testing::AllOf(HasSubstr("log-level must be trace, debug, info, warn, error or off"),
+                         HasSubstr("'loud'")),
           testing::AllOf(HasSubstr("idle must be a number of seconds"), HasSubstr("config.toml")),
           HasSubstr("colour is not a setting"), HasSubstr("max-uri must be given once"),
           HasSubstr("limits.idle is not a setting")));
@@ -129,7 +130,7 @@ TEST_F(Settings, LimitsThatContradictEachOtherAreRefusedTogether) {
   options.server.cors_origins = {"https://example.org", "example.org", "https://example.org/path"};
   options.trusted_proxies = {"192.0.2.0/24", "192.0.2.1/24", "2001:db8::/129", "::1"};
   EXPECT_THAT(configured({}),
-              testing::UnorderedElementsAre(HasSubstr("max-uri (20000) is over max-header (16384)"),
+              testing::UnorderedElementsAre(HasSubstr("max-uri (20,000 bytes) is over max-header (16KiB)"),
                                             HasSubstr("max-body"), HasSubstr("max-connections-per-address"),
                                             HasSubstr("deadline"), HasSubstr("port and admin-port"),
                                             HasSubstr("'docx'"), HasSubstr("'example.org'"),
@@ -194,7 +195,8 @@ TEST_F(Settings, TokenFilesAreReadStrictly) {
   EXPECT_EQ(tenants::TokenFile::parse("# studio\nana 0123456789abcdef\n\nbob 0123456789abcdeg read-only\r\n")
                 ->size(),
             2u);
-  EXPECT_THAT(configured({{"token-file", {"/absent/tokens", ""}}}), ElementsAre(HasSubstr("cannot be read")));
+  EXPECT_THAT(configured({{"token-file", {"/absent/tokens", ""}}}),
+              ElementsAre(HasSubstr("--token-file '/absent/tokens' cannot be read: No such file")));
 }
 
 TEST_F(Settings, RedisAndItsSignaturesAreJudgedTogether) {

@@ -138,6 +138,7 @@ TEST(Hostile, ABodyOverTheLimitIsAnsweredWhileTheClientStillSends) {
     const auto reply = client.receive();
     ASSERT_TRUE(reply) << "chunked: " << chunked;
     EXPECT_EQ(reply->problem(), "body-too-large") << "chunked: " << chunked;
+    EXPECT_NE(reply->body.find("(--max-body)"), std::string::npos) << reply->body;
   }
   EXPECT_EQ(server.control->imports, 0);
 }

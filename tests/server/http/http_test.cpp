@@ -259,6 +259,14 @@ TEST(Http, TheAdminListenerAnswersWhileEveryWorkerIsBusyAndTheQueueIsFull) {
   busy.join();
 }
 
+TEST(Http, APathOfTheAdminPortIsNamedAsSuch) {
+  TestServer server;
+  const Reply reply = server.get("/livez");
+  EXPECT_EQ(reply.problem(), "not-found");
+  EXPECT_NE(reply.body.find("Ask the admin port (--admin-port)"), std::string::npos) << reply.body;
+  EXPECT_NE(server.get("/nothing").body.find("GET /openapi.json"), std::string::npos);
+}
+
 TEST(Http, TheDeadlineEndsTheWork) {
   TestServerOptions options;
   options.limits.deadline = std::chrono::milliseconds(50);
@@ -272,6 +280,8 @@ TEST(Http, TheDeadlineEndsTheWork) {
   const Reply reply = server.post("/fracture");
   EXPECT_EQ(reply.status, 504);
   EXPECT_EQ(reply.problem(), "deadline-exceeded");
+  EXPECT_NE(reply.json().at("detail").get<std::string>().find("after 0.05 s (--deadline)"), std::string::npos)
+      << reply.body;
 }
 
 }  // namespace

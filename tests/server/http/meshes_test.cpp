@@ -154,6 +154,16 @@ TEST(Meshes, ADeletedMeshIsGone) {
   EXPECT_EQ(server.post_json(path + "/fracture", "{}").status, 404);
 }
 
+TEST(Meshes, AnIdOfAnotherFormIsToldFromAMeshThatIsGone) {
+  TestServer server;
+  const Reply malformed = server.post_json("/meshes/foo/fracture", "{}"),
+              gone = server.post_json("/meshes/" + id_of("mesh") + "/fracture", "{}");
+  EXPECT_EQ(malformed.problem(), "not-found");
+  EXPECT_NE(malformed.body.find("64 lower-case hex digits"), std::string::npos) << malformed.body;
+  EXPECT_EQ(gone.problem(), "not-found");
+  EXPECT_NE(gone.body.find("PUT it to /meshes/" + id_of("mesh")), std::string::npos) << gone.body;
+}
+
 TEST(Meshes, TheQuotaAndTheTimeToLiveHold) {
   TestServerOptions options;
   options.store = {.quota_bytes = 60'000, .ttl = std::chrono::milliseconds(200)};
@@ -162,6 +172,7 @@ TEST(Meshes, TheQuotaAndTheTimeToLiveHold) {
   const Reply over = server.put("/meshes/" + id_of(large), large);
   EXPECT_EQ(over.status, 413);
   EXPECT_EQ(over.problem(), "body-too-large");
+  EXPECT_NE(over.body.find("60 kB (--mesh-store)"), std::string::npos) << over.body;
   EXPECT_EQ(server.put("/meshes/" + id_of(first), first).status, 201);
   EXPECT_EQ(server.put("/meshes/" + id_of(second), second).status, 201);
   EXPECT_EQ(server.get("/meshes/" + id_of(first)).status, 404);

@@ -35,7 +35,11 @@ TEST(Health, AServerIsAliveAndReadyUntilItDrains) {
   EXPECT_EQ(health({url(server.port, "/limits")}).first, 0);
   const auto [code, error] = health({url(server.port, "/nothing")});
   EXPECT_EQ(code, 1);
-  EXPECT_NE(error.find("/nothing: status 404"), std::string::npos) << error;
+  EXPECT_NE(error.find("/nothing answered 404"), std::string::npos) << error;
+  const auto [public_code, public_error] = health({url(server.port)});
+  EXPECT_EQ(public_code, 1);
+  EXPECT_NE(public_error.find("not an admin listener. Use the --admin-port (8081"), std::string::npos)
+      << public_error;
 
   server.signal(SIGTERM);
   require_eventually(kPatience, "the server to take the signal",
@@ -44,7 +48,9 @@ TEST(Health, AServerIsAliveAndReadyUntilItDrains) {
   EXPECT_EQ(health({url(server.admin_port)}).first, 0) << "a draining server is alive";
   server.signal(SIGTERM);
   EXPECT_EQ(server.wait(), 0);
-  EXPECT_EQ(health({url(server.admin_port)}).first, 1);
+  const auto [gone_code, gone_error] = health({url(server.admin_port)});
+  EXPECT_EQ(gone_code, 1);
+  EXPECT_NE(gone_error.find("Is the server running"), std::string::npos) << gone_error;
 }
 
 TEST(Health, WithoutAUrlTheServersOwnSettingsSayWhere) {

@@ -33,7 +33,7 @@ TEST(EstimateRefusal, NamesWhatCostsMost) {
   EXPECT_EQ(refused->code, ErrorCode::kTooComplex);
   EXPECT_EQ(refused->pointer, "rough_amplitude");
   EXPECT_NE(refused->detail.find("rough_amplitude=0"), std::string::npos) << refused->detail;
-  EXPECT_EQ(refused->detail.find("as well"), std::string::npos) << "this is enough: " << refused->detail;
+  EXPECT_EQ(refused->detail.find("and with it"), std::string::npos) << "this is enough: " << refused->detail;
 
   // The advice is followed: what it proposes fits.
   const std::uint64_t limit = half_of(many, cube);
@@ -91,12 +91,13 @@ TEST(EstimateRefusal, ALateRefusalHasTheSameAdvice) {
   const Solid cube = solid_of(test::cube());
   const RequestParameters rough = with_sites(30, 0.05);
   Error late{ErrorCode::kTooComplex,
-             std::string("It needs 5 bytes; a computation may use 4. ") + kAdviceForFewerProducts};
+             std::string("It needs 5 bytes; the limit is 4. ") + kAdviceForFewerProducts};
   late.extra = fracture::Figures(nlohmann::json{{"grew", "cap_triangles"}, {"limit", 1u << 20}});
-  const Error advised = with_advice(late, rough, cube);
+  const Error advised = with_advice(late, rough, cube, "--memory");
   EXPECT_TRUE(advised.detail.starts_with(
-      "It needs 5 bytes; a computation may use 4. Most of it is for 'rough_amplitude'"))
+      "It needs 5 bytes; the limit is 4. Most of the memory is for 'rough_amplitude': use rough_amplitude=0 (about "))
       << advised.detail;
+  EXPECT_TRUE(advised.detail.ends_with(", or raise --memory.")) << advised.detail;
   EXPECT_EQ(advised.detail.find(kAdviceForFewerProducts), std::string::npos);
   const Error other{ErrorCode::kTooComplex, "20 sites are requested; at most 10 are allowed."};
   EXPECT_EQ(with_advice(other, rough, cube).detail, other.detail);
@@ -115,6 +116,21 @@ TEST(EstimateRefusal, TheDocumentSaysWhetherItFits) {
   EXPECT_EQ(no_limit.at("fits"), true);
   EXPECT_EQ(too_much.at("fits"), false);
   EXPECT_TRUE(too_much.at("advice").is_string());
+}
+
+// Between once and twice the limit, the request may be refused while it runs.
+TEST(EstimateRefusal, TheDocumentGivesAdviceWheneverTheEstimateIsAboveTheLimit) {
+  const Solid cube = solid_of(test::cube());
+  const RequestParameters asked = with_sites(1000);
+  const auto needed = static_cast<std::uint64_t>(expected_answer(asked, cube).working_bytes);
+  const nlohmann::json above = estimate_document(asked, cube, needed * 2 / 3),
+                       within = estimate_document(asked, cube, needed * 3 / 2);
+  EXPECT_EQ(above.at("fits"), true) << "it is not refused at once";
+  ASSERT_TRUE(above.at("advice").is_string());
+  const auto advice = above.at("advice").get<std::string>();
+  EXPECT_NE(advice.find("--max-working"), std::string::npos) << advice;
+  EXPECT_NE(advice.find("use sites="), std::string::npos) << advice;
+  EXPECT_TRUE(within.at("advice").is_null());
 }
 
 }  // namespace

@@ -1,0 +1,25 @@
+// Words for errors about import limits: each names the limit, the setting of a server that raises it, and what to do.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "common/base/words.hpp"
+#include "common/import/import_input.hpp"
+
+namespace fracture {
+
+/// The advice of every error about the size of a mesh.
+inline constexpr const char* kSmallerMesh = "Reduce the mesh, or divide it into several files.";
+
+/// Returns "4,000,000 triangles (--max-triangles of a server)".
+inline std::string triangle_limit(std::uint64_t most) {
+  return counted(most, "triangle", "triangles") + " (--max-triangles of a server)";
+}
+
+/// Returns "268.4 MB (--max-decoded of a server)".
+inline std::string decoded_limit(std::uint64_t most) {
+  return data_size(most) + " (--max-decoded of a server)";
+}
+
+}  // namespace fracture
