@@ -109,7 +109,7 @@ std::vector<ParameterSpec> hit_parameter_rows() {
        .type = Type::kChoice,
        .choices = {"whole", "fractured"},
        .doc =
-           "The pieces that the hits break. `whole`: the parts of the mesh, so each part that no hit reaches stays one piece. "
+           "The pieces to which the hits are applied. `whole`: the parts of the mesh, so each part that no hit reaches stays one piece. "
            "`fractured`: the pieces that the pattern makes. The remaining part of a piece keeps its ID. If `of` refers to an answer "
            "without hits, `fractured` always applies."},
       [](auto& r) -> auto& { return r.fracture.rest; }));

@@ -20,7 +20,7 @@ std::vector<ParameterSpec> solid_parameter_rows() {
        .type = Type::kChoice,
        .choices = {"fill", "strict"},
        .doc =
-           "Treatment of a mesh that is not closed or not consistently oriented. `fill`: holes are closed and inverted surfaces "
+           "How a mesh is treated that is not closed or not consistently oriented. `fill`: holes are closed and inverted surfaces "
            "are flipped. `strict`: the mesh is refused."},
       [](auto& r) -> auto& { return r.solid.repair; }));
   ParameterSpec sheets = with_member(
@@ -28,9 +28,9 @@ std::vector<ParameterSpec> solid_parameter_rows() {
        .type = Type::kChoice,
        .choices = {"attach", "whole", "solid", "drop"},
        .doc =
-           "Treatment of sheets: pieces of the surface that bound no volume (panes, leaves, decals). `attach`: sheets are cut "
-           "by the same cells, and each fragment carries its share on a child node, without a volume of its own. `whole`: sheets stay whole, on "
-           "nodes of their own. `solid`: sheets become slabs (`thickness`). `drop`: sheets are left out."},
+           "How sheets are treated: pieces of the surface that bound no volume (panes, leaves, decals). `attach`: the same cells "
+           "cut the sheets, and each fragment carries its share on a child node. `whole`: sheets stay whole, on separate nodes. "
+           "`solid`: sheets become slabs (`thickness`). `drop`: sheets are left out."},
       [](auto& r) -> auto& { return r.solid.sheets; });
   // With a thickness, sheets are slabs anyway.
   sheets.matters = [](const RequestParameters& r) {
@@ -154,9 +154,9 @@ std::vector<ParameterSpec> solid_parameter_rows() {
        .type = Type::kChoice,
        .choices = {"hulls", "geometry"},
        .doc =
-           "Treatment of nodes that stand for another node of the mesh, by their names. `hulls`: of levels of detail, only `Crate_LOD0` "
-           "is broken. Collision geometry (`UCX_Crate_00`, `Crate-col`) is not broken; with `intact=true`, the unbroken mesh has "
-           "it as colliders. `geometry`: all nodes are broken."},
+           "How levels of detail and collision geometry, recognized by their names, are treated. `hulls`: of levels of detail, "
+           "only `Crate_LOD0` is broken. Collision geometry (`UCX_Crate_00`, `Crate-col`) is not broken; with `intact=true`, "
+           "the unbroken mesh has it as colliders. `geometry`: all nodes are broken."},
       [](auto& r) -> auto& { return r.proxies; });
   proxies.matters = [](const RequestParameters& r) { return r.proxies != Proxies::kHulls; };
   add(std::move(proxies));

@@ -81,7 +81,7 @@ std::string names_of(const SizeLimits& size) {
 std::string fewer_fragments(const SizeLimits& size, const FragmentSet& set) {
   if (const std::uint64_t united = set.certificate.united, crossing = united - set.size.united;
       united > set.size.united)
-    return counted(crossing, "piece has no volume of its own", "pieces have no volume of their own") +
+    return counted(crossing, "piece has no separate volume", "pieces have no separate volume") +
            ", because the surface crosses itself. Ask for more fragments, or repair the surface in a modelling tool.";
   SizeLimits others = size;
   others.fragments = 0;

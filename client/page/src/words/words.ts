@@ -44,7 +44,7 @@ export const words = {
     withinTenth: 'the number can differ by up to 10 %', brokenOff: (hits: number) => `the pieces that ${hits === 1 ? 'the hit' : `${hits} hits`} broke off are additional`,
     separateParts: (parts: number) => `the mesh has ${parts.toLocaleString('en')} separate parts, and each becomes at least one fragment`,
     apart: 'the others touch no fragment with which they could be merged', atMost: 'the maximum number of fragments is lower',
-    crossesItself: 'the surface crosses itself, so some pieces have no volume of their own', noMoreCells: 'the pattern and the size limits allow no more fragments',
+    crossesItself: 'the surface crosses itself, so some pieces have no separate volume', noMoreCells: 'the pattern and the size limits allow no more fragments',
     expected: (fragments: string, triangles: string, bytes: string, memory: string) => `Expected: about ${fragments} fragments, ${triangles} triangles, a file of ${bytes} and ${memory} of memory.`,
     noMatch: 'No parameter has these words in its name, its description or its synonyms.',
   },
