@@ -277,7 +277,7 @@ Mesh read_mesh(ByteReader& in, const ImportLimits& limits) {
       *text = in.text();
       require(is_utf8(*text), "a text is not UTF-8");
     }
-  require(in.at_end(), "the mesh ends early or late");
+  require(in.at_end(), "the mesh has too few or too many bytes");
   check_mesh(mesh, limits);
   return mesh;
 }

@@ -35,7 +35,7 @@ export const words = {
     isOn: (tab: string) => `On the ${tab} tab`, onlyWith: (patterns: readonly string[]) => `only with the pattern ${patterns.join(', ')}`,
     ofPattern: (name: string) => `Pattern ${name}`, other: 'Other', unset: 'not set', pickPoint: 'Pick the point with the next click on the mesh', reseed: 'Another seed',
     places: 'Points to drag', placesHint: 'Drag the handles in the view. "All parameters" shows the exact values.', sphere: (stem: string) => `${stem} sphere`,
-    assign: 'Materials of parts', assignHint: 'Parts that break like another material. The first row that matches a part decides.',
+    assign: 'Materials of parts', assignHint: 'Parts that break like another material. The first row that matches a part applies.',
     assignSelector: 'node, Wall_* or slot=name', assignAdd: 'Add a part', assignRemove: 'Remove row',
     assignRow: (row: number) => `Part of row ${row}`, assignMaterial: (row: number) => `Material of row ${row}`,
     auto: 'auto', noLimit: 'no limit',
