@@ -137,7 +137,7 @@ def _rename(pieces: List[_Piece]) -> None:
 
 
 def _cut(text: str, size: int) -> str:
-    """Cuts a text to `size` bytes in UTF-8, at the end of a character."""
+    """Cuts text to `size` bytes in UTF-8, at the end of a character."""
     return text.encode("utf-8", "replace")[:size].decode("utf-8", "ignore")
 
 

@@ -22,7 +22,7 @@ const KHR = 'KHR_physics_rigid_bodies', OMI = 'OMI_physics_body', SHAPES = 'OMI_
 
 const encoder = new TextEncoder();
 
-/** Cuts a text to `size` bytes in UTF-8, at the end of a character. */
+/** Cuts text to `size` bytes in UTF-8, at the end of a character. */
 function cut(text: string, size: number): string {
   let kept = '';
   for (const character of text) {
