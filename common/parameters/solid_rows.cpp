@@ -44,10 +44,10 @@ std::vector<ParameterSpec> solid_parameter_rows() {
        .low = 0,
        .high = 1000,
        .doc =
-           "Open sheets (panes, leaves) become slabs of this thickness, as with `sheets=solid`. Pieces that only a large lid closes "
-           "(cloth, terrain), and rooms, whose faces look inwards, become walls. Other open pieces become solid bodies if closing their "
-           "holes encloses more volume than the slab would have, and a warning says so. 0: with `sheets=solid`, slabs are as thick as "
-           "1/500 of the diagonal of the mesh's box."},
+           "Open sheets (panes, leaves) become slabs of this thickness, as with `sheets=solid`. Pieces that only a large lid "
+           "closes (cloth, terrain), and rooms, whose faces look inwards, become walls. Other open pieces become solid "
+           "bodies, with a warning, if closing their holes encloses more volume than the slab would have. 0: with "
+           "`sheets=solid`, slabs are as thick as 1/500 of the diagonal of the mesh's box."},
       [](auto& r) -> auto& { return r.solid.thickness; }));
   ParameterSpec shell = with_member(
       {.name = "shell",
@@ -90,9 +90,10 @@ std::vector<ParameterSpec> solid_parameter_rows() {
        .low = 0,
        .high = 1,
        .doc =
-           "Only parts that can contain a ball of this diameter become hollow. The diameter is a fraction of the longest side of "
-           "the part's bounding box. Plates, rods and parts that already have walls stay as they are. 0: all parts that are thick "
-           "enough become hollow. Other values must be at least 0.1. Default: 0.2 if the material sets the walls, otherwise 0."},
+           "Only parts that can contain a ball of this diameter become hollow, not plates, rods and parts that already have "
+           "walls. The diameter is a fraction of the longest side of the part's bounding box. 0: all parts that are thick "
+           "enough become hollow. Other values must be at least 0.1. Default: 0.2 if the material sets the walls, otherwise "
+           "0."},
       [](auto& r) -> auto& { return r.hollow.least_ball; });
   ball.check = [](const ParameterValue& value) -> std::optional<std::string> {
     const double given = std::get<double>(value);
@@ -117,9 +118,9 @@ std::vector<ParameterSpec> solid_parameter_rows() {
        .low = 0,
        .high = 1000,
        .doc =
-           "Parts of the mesh (closed surfaces) that come within this distance of each other are in contact, and their fragments "
-           "are bonded. Parts that overlap are always in contact. Default: 0.001 times the longest side of the mesh's bounding box. "
-           "The maximum is 0.1 times this side; larger values are reduced to it."},
+           "Parts of the mesh (closed surfaces) that come within this distance of each other are in contact, and their "
+           "fragments are bonded. Parts that overlap are always in contact. Default: 0.001 times the longest side of the "
+           "mesh's bounding box; at most 0.1 times this side."},
       [](auto& r) -> auto& { return r.solid.contact_gap; }));
   add(with_member(
       {.name = "unit",
