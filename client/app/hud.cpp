@@ -94,10 +94,11 @@ void draw_hint(const PanelState& state, const glm::vec2& aim) {
   if (!state.note.empty()) ImGui::TextUnformatted(state.note.c_str());
   const std::string click =
       std::string("click ") + kToolActions[static_cast<std::size_t>(state.tool)] + " - F: switch tool - ";
-  const std::string hint = state.gravity_always ? click + "G pauses - H for help"
-                           : state.gravity_held
-                               ? std::string("gravity is on")
-                               : "paused - hold X for gravity, G for always - " + click + "H for help";
+  const std::string hint =
+      state.gravity_always ? click + "G pauses - H for help"
+      : state.gravity_held
+          ? std::string("gravity is on")
+          : "paused - hold X for gravity, press G to keep gravity on - " + click + "H for help";
   ImGui::TextUnformatted(hint.c_str());
   ImGui::End();
   ImDrawList* list = ImGui::GetForegroundDrawList();

@@ -97,7 +97,8 @@ bool PlayedGame::catch_up(const Tick& tick, double seconds) {
     note_("replaying the game: " + std::to_string(rewind_.percent()) + " %");
     return false;
   }
-  const bool another = game_ != nullptr;  // otherwise, this game was shown all the time
+  const bool another =
+      game_ != nullptr;  // null: no other game was on screen, so the view already shows this one
   background_.retire(std::exchange(game_, std::move(played->game)));
   note_(played->diverged ? "Step " + std::to_string(*played->diverged) +
                                " differs from the recording; the game continues from the new state."

@@ -12,6 +12,8 @@
 //     …
 //     for (Answer& answer : client.poll()) …   // every frame
 //
+// client/README.md shows a second hit on the same answer.
+//
 // Settings::patience limits how long failed requests are retried. A retry follows if the server is absent (after
 // growing pauses) or busy (after its Retry-After), if it has forgotten a mesh (PUT, then one retry), or if an answer
 // is cut off or its digest is wrong. All requests can be repeated safely, because identical requests give identical

@@ -37,7 +37,7 @@ inline Patch part_over(const NearTriangle& s, const NearTriangle& t, const Range
 /// Surface of a triangle that faces the other part.
 struct FacingPolygon {
   std::uint32_t triangle;  ///< in NearPair::a or b
-  std::uint32_t first;     ///< first of `size` corners on that triangle, m
+  std::uint32_t first;     ///< index of the first of its `size` corners, which lie on that triangle
   std::uint32_t size;
   double area;    ///< m²
   double height;  ///< m: mean height of the other surface over the corners

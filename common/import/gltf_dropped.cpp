@@ -184,7 +184,7 @@ bool is_physical(const json& node) {
 
 /// Keeps the node, or returns why that is not done.
 const char* keep_empty(const json& node, const Transform& world, std::vector<EmptyNode>& kept) {
-  if (is_physical(node)) return "fragments have bodies and colliders of their own";
+  if (is_physical(node)) return "fragments have their own bodies and colliders";
   if (!is_node_transform(world)) return "its transform is sheared, flat or too large for a single node";
   if (kept.size() >= kMostEmptyNodes) return "an answer has at most 1,000 nodes without a mesh";
   kept.push_back({name_or(node, "empty"), world.x, world.y, world.z, world.t, carried_extras(node)});

@@ -27,7 +27,7 @@ constexpr const char* kNoAnimation = "fragments are not animated";
 constexpr const char* kNoInteraction = "fragments do not react to input";
 constexpr const char* kNoSound = "answers have no sound";
 constexpr const char* kNoAvatar = "fragments are not an avatar";
-constexpr const char* kOwnPhysics = "fragments have bodies and colliders of their own";
+constexpr const char* kOwnPhysics = "fragments have their own bodies and colliders";
 constexpr const char* kNotApplied = "its meaning for the answer is unknown";
 
 struct Harmless {
@@ -78,7 +78,7 @@ constexpr Harmless kHarmless[] = {
     {"VRMC_springBone", kNoAvatar},
     {"VRMC_node_constraint", kNoAvatar},
     {"VRMC_vrm_animation", kNoAvatar},
-    {"GODOT_single_root", "the answer has a root node of its own"},
+    {"GODOT_single_root", "the answer has its own root node"},
     {"KHR_physics_rigid_bodies", kOwnPhysics},
     {"KHR_collision_shapes", kOwnPhysics},
     {"KHR_implicit_shapes", kOwnPhysics},

@@ -28,7 +28,7 @@ bool add_displacements(const tinygltf::Model& model, const std::vector<MorphTarg
         components == 0 ? std::vector<double>() : read_accessor(model, accessor->second, width);
     if (components == 0 || components > stride || moves.size() != count * components) {
       remarks.warn(
-          "A morph target was not applied, because it has another number of vertices than the shape that it "
+          "A morph target was not applied, because it has a different number of vertices from the shape that it "
           "changes. The fragments have the shape without it. Export the file again without compression.");
       continue;
     }

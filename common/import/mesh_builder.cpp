@@ -190,9 +190,13 @@ Expected<Mesh> MeshBuilder::finish() {
   for (auto& set : a.colors) changed += neutralise(set, Vec4f{1, 1, 1, 1});
   if (changed > 0)
     mesh_.remarks.warn(
-        counted(changed, "normal, UV or colour is not a finite number and was",
-                "normals, UVs and colours are not finite numbers and were") +
-        " replaced by neutral values. The shading may be wrong there. Repair them in a modelling tool.");
+        counted(
+            changed,
+            "normal, UV or colour is not a finite number and was replaced by a neutral value. The shading "
+            "may be wrong there. Repair it",
+            "normals, UVs and colours are not finite numbers and were replaced by neutral values. The "
+            "shading may be wrong there. Repair them") +
+        " in a modelling tool.");
   return std::move(mesh_);
 }
 

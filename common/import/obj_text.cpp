@@ -64,7 +64,7 @@ class ObjTextReader {
     if (const std::size_t zero = whole_.find('\0'); zero != std::string_view::npos)
       refuse(ErrorCode::kMalformedMesh, "This is not an OBJ file: it contains a zero at byte " +
                                             std::to_string(zero) +
-                                            ", but OBJ is text. Send it in the format that it has.");
+                                            ", but OBJ is text. State its actual format.");
     ObjLines lines(whole_);
     for (std::string_view line; lines.next(line);) {
       line_ = lines.number();
@@ -274,7 +274,7 @@ class ObjTextReader {
     if (out_.positions.size() == 0)
       refuse(ErrorCode::kMalformedMesh,
              "This is not an OBJ file: no line begins with \"v \"; the file begins with " +
-                 quotation(whole_.substr(0, 16)) + ". Send it in the format that it has.");
+                 quotation(whole_.substr(0, 16)) + ". State its actual format.");
     if (out_.corners_of_face.empty()) refuse_without_faces();
     if (highest_.line != 0 && highest_.index >= out_.positions.size())
       refuse_line(ErrorCode::kMalformedMesh, highest_.line,

@@ -48,7 +48,7 @@ struct ObjText {
   std::vector<std::uint32_t> position, uv, normal;
   std::vector<std::uint32_t> corners_of_face;  ///< at least 3 each
   std::vector<ObjRun> runs;                    ///< in the order of the file
-  std::vector<std::string> objects;            ///< names; objects and groups without faces are among them
+  std::vector<std::string> objects;            ///< names, including those of objects and groups without faces
   ObjHighest highest_uv, highest_normal;
   std::vector<ObjLeftOut> left_out;
   std::uint64_t triangles = 0;

@@ -241,8 +241,8 @@ class PlyReader {
     if (complete || uvs.empty() || warned_) return;
     warned_ = true;
     file_.remarks.warn(
-        "Some faces of the PLY have texture coordinates for another number of corners than they have, so these "
-        "were left out. The texture is wrong there. Export the file again.");
+        "Some faces of the PLY have more or fewer texture coordinates than corners, so these coordinates were "
+        "left out. The texture is wrong there. Export the file again.");
   }
 
   void add_texture_number(double number) {

@@ -26,9 +26,9 @@ ParameterSpec of_row() {
       .type = Type::kText,
       .max = 300,
       .doc =
-          "Address of an earlier answer for the same mesh, from the answer's Content-Location header. The server reuses the "
-          "answer's parameters and applies the new hits after its earlier hits. If the server no longer has the answer (404), send "
-          "the parameters instead of `of`; the bytes are the same."};
+          "Address of an earlier answer for the same mesh, from the answer's Content-Location header. The new hits are "
+          "applied after the answer's hits, with its parameters. If the server no longer has the answer (404), send the "
+          "parameters instead of `of`; the bytes are the same."};
   spec.check = [](const ParameterValue& value) -> std::optional<std::string> {
     if (!answer_key_in(std::get<std::string>(value)).empty()) return std::nullopt;
     return "be the address of an answer, /fractures/sha256: followed by 64 lower-case hex digits";
@@ -110,7 +110,7 @@ std::vector<ParameterSpec> hit_parameter_rows() {
        .type = Type::kChoice,
        .choices = {"whole", "fractured"},
        .doc =
-           "The pieces that the hits break. `whole`: the parts of the mesh, so each part that no hit reaches stays one piece. "
+           "The pieces to which the hits are applied. `whole`: the parts of the mesh, so each part that no hit reaches stays one piece. "
            "`fractured`: the pieces that the pattern makes. The remaining part of a piece keeps its ID. If `of` refers to an answer "
            "without hits, `fractured` always applies."},
       [](auto& r) -> auto& { return r.fracture.rest; }));

@@ -18,8 +18,8 @@ std::vector<ParameterSpec> hull_parameter_rows() {
        .doc =
            "Maximum number of convex hulls per fragment. Only ragged chunks, fragments that were merged, and fragments with openings "
            "have several hulls. A hull extends beyond its fragment only at the outer surface, so the hulls of neighbouring "
-           "fragments do not overlap. A fragment with pieces of several parts that break along grains of their own has one hull "
-           "per piece, even if that is more."},
+           "fragments do not overlap. A fragment with pieces of different parts, each with its own grain, has one hull per "
+           "piece, even if that is more."},
       [](auto& r) -> auto& { return r.fracture.hull_limits.count; }));
   rows.push_back(with_member(
       {.name = "hull_excess",
@@ -27,10 +27,9 @@ std::vector<ParameterSpec> hull_parameter_rows() {
        .low = 1,
        .high = 1e6,
        .doc =
-           "How much larger than a fragment its hulls may be, as a factor of the volume. A fragment with larger hulls is divided "
-           "into parts, each with one hull, up to `max_hulls` hulls. So things can fly through a window frame or a ring. Some "
-           "fragments are never divided: curved shards, those with cut pieces of several parts, and those of more than 10,000 "
-           "triangles. With a large value, no fragment is divided."},
+           "A fragment is divided among several hulls (at most `max_hulls`) if its hull would have more than this many times its "
+           "volume. So things can fly through a window frame or a ring. Some fragments are never divided: curved shards, those "
+           "with cut pieces of different parts, and those of more than 10,000 triangles. With a large value, no fragment is divided."},
       [](auto& r) -> auto& { return r.fracture.hull_limits.excess; }));
   for (ParameterSpec& spec : rows)
     spec.matters = [](const RequestParameters& r) {

@@ -33,13 +33,13 @@ std::vector<ParameterSpec> pattern_parameter_rows(std::uint32_t max_sites) {
        .low = -kFarPlace,
        .high = kFarPlace,
        .doc =
-           "Points where the mesh is hit, measured from the file's origin. The whole mesh breaks, with the smallest pieces at "
-           "these points; to break only the area around a hit, use `local_point`. `radial`: the first point is the centre of the "
-           "rings and spokes. `brick`: bricks at a point are crushed, and the bricks around it break in half; without points, no "
-           "bricks break. A point outside the mesh and farther from its surface than a tenth of the mesh's longest side is moved "
-           "to the nearest point of the surface, with a warning. Default: the centre of the bounding box, or the point of the "
-           "surface nearest to it if the centre is empty; the centre of the box's +z side if spokes run in all directions. If "
-           "`pattern` is not given and would be `uniform` or `clustered`, `impacts` changes it to `impact`."}));
+           "Points where the mesh is hit, measured from the file's origin. The whole mesh breaks, with the smallest pieces "
+           "there; `local_point` breaks only the area around a hit. `radial`: the first point is the centre of the rings and "
+           "spokes. `brick`: bricks at a point are crushed, and the bricks around it break in half; without points, no "
+           "bricks break. A point outside the mesh by more than a tenth of its longest side is moved to the nearest point of "
+           "the surface, with a warning. Default: the centre of the bounding box, or the point of the surface nearest to it "
+           "if the centre is empty; the centre of the box's +z side if spokes run in all directions. Without `pattern`, "
+           "`impacts` changes `uniform` and `clustered` to `impact`."}));
   rows.push_back(with_pattern_member<&ImpactPattern::radius, &ClusteredPattern::radius>(
       {.name = "radius",
        .type = Type::kNumber,
@@ -139,10 +139,9 @@ std::vector<ParameterSpec> pattern_parameter_rows(std::uint32_t max_sites) {
        .high = kFar,
        .doc =
            "Size of a cell. `grid`: the lengths of a box along x, y and z. `brick`: the length, height and depth of a brick "
-           "including its joint. Bricks lie along the longer horizontal side of the wall. If you give their size, each brick is one "
-           "piece, and the whole mesh is treated as a wall. Default: chosen to make about `sites` pieces. With `brick`, each piece "
-           "then contains several bricks of real size (0.24 x 0.071 x 0.115 m). The bricks are scaled if a piece would contain less "
-           "than one brick or more than six."});
+           "including its joint. Bricks lie along the longer horizontal side of the wall. If you give their size, each brick "
+           "is one piece, and the whole mesh is a wall. Default: about `sites` pieces; with `brick`, each piece then "
+           "contains one to six bricks of 0.24 x 0.071 x 0.115 m, or scaled ones."});
   rows.push_back(std::move(cell));
   rows.push_back(with_pattern_member<&BrickPattern::bond>(
       {.name = "bond",
@@ -155,8 +154,8 @@ std::vector<ParameterSpec> pattern_parameter_rows(std::uint32_t max_sites) {
       .type = Type::kColor,
       .doc =
           "Colour of the joints in sRGB, as #rrggbb (for example #b9b4a8 for lime and cement). Cuts along joints have a matt "
-          "material of this colour. Its name ends with _Mortar. Cuts through bricks and rubble stones keep their usual material. "
-          "Joints have no width. `dual=barycenter` makes no joints. Default: all cuts look the same.",
+          "material of this colour, whose name ends with _Mortar. Joints have no width. `dual=barycenter` makes no joints. "
+          "Default: all cuts look the same.",
       .decides = Decides::kSites,
       .patterns = {pattern_name<BrickPattern>()}};
   mortar.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {

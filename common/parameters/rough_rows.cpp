@@ -16,8 +16,8 @@ std::vector<ParameterSpec> rough_parameter_rows() {
        .low = 0,
        .high = 0.25,
        .doc =
-           "How far noise moves cut faces out of their planes, as a fraction of the solid's size. The solid's size is the cube root "
-           "of the volume of its largest part. If `stretch` is above 6, faces move four times as far along the grain. If "
+           "How far noise moves cut faces out of their planes, as a fraction of the solid's size: the cube root of the "
+           "volume of its largest part. If `stretch` is above 6, faces move four times as far along the grain. If "
            "`rough_frequency` is too high for this amplitude, the server reduces the amplitude. 0: flat cuts."},
       [](auto& r) -> auto& { return r.fracture.roughness.amplitude; }));
   rows.back().matters = [](const RequestParameters& r) {

@@ -145,8 +145,8 @@ void add_interior_rows(std::vector<ParameterSpec>& rows) {
        .low = 0,
        .high = 10,
        .doc =
-           "Brightness of the surface's colour in the cut faces, as a factor: below 1, the cut faces are darker than the surface; above 1, "
-           "they are lighter. It applies only to the share of that colour that `interior_mix` adds."},
+           "Brightness of the surface's colour in the cut faces, as a factor. It applies only to the share of that colour "
+           "that `interior_mix` adds."},
       [](auto& r) -> auto& { return r.interior.shade; }));
   rows.push_back(with_member(
       {.name = "interior_opacity",

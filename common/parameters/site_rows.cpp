@@ -130,9 +130,9 @@ void add_general_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
           {.name = "density_from",
            .type = Type::kText,
            .doc =
-               "The vertex colours (COLOR_0 to COLOR_7) or the material (name or index) that mark where the mesh breaks into "
-               "smaller pieces. Sites are densest in white areas, or near the material's surface. In black areas, or near other "
-               "surfaces, the density of sites is 1/32 of its maximum. Sites near an impact are not affected."},
+               "Vertex colours (COLOR_0 to COLOR_7) or a material (name or index): the mesh breaks into smaller pieces in "
+               "white areas or near the material's surface. In black areas, or near other surfaces, the density of sites is "
+               "1/32 of its maximum. Sites near an impact are not affected."},
           [](auto& r) -> auto& { return r.fracture.density_from; })));
   ParameterSpec stretch = for_patterns(
       {},

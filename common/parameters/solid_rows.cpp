@@ -20,7 +20,7 @@ std::vector<ParameterSpec> solid_parameter_rows() {
        .type = Type::kChoice,
        .choices = {"fill", "strict"},
        .doc =
-           "Treatment of a mesh that is not closed or not consistently oriented. `fill`: holes are closed and inverted surfaces "
+           "How a mesh is treated that is not closed or not consistently oriented. `fill`: holes are closed and inverted surfaces "
            "are flipped. `strict`: the mesh is refused."},
       [](auto& r) -> auto& { return r.solid.repair; }));
   ParameterSpec sheets = with_member(
@@ -28,9 +28,9 @@ std::vector<ParameterSpec> solid_parameter_rows() {
        .type = Type::kChoice,
        .choices = {"attach", "whole", "solid", "drop"},
        .doc =
-           "Treatment of sheets: pieces of the surface that bound no volume (panes, leaves, decals). `attach`: sheets are cut "
-           "by the same cells, and each fragment carries its share on a child node, without a volume of its own. `whole`: sheets stay whole, on "
-           "nodes of their own. `solid`: sheets become slabs (`thickness`). `drop`: sheets are left out."},
+           "How sheets are treated: pieces of the surface that bound no volume (panes, leaves, decals). `attach`: the same cells "
+           "cut the sheets, and each fragment carries its share on a child node. `whole`: sheets stay whole, on separate nodes. "
+           "`solid`: sheets become slabs (`thickness`). `drop`: sheets are left out."},
       [](auto& r) -> auto& { return r.solid.sheets; });
   // With a thickness, sheets are slabs anyway.
   sheets.matters = [](const RequestParameters& r) {
@@ -44,10 +44,10 @@ std::vector<ParameterSpec> solid_parameter_rows() {
        .low = 0,
        .high = 1000,
        .doc =
-           "Open sheets (panes, leaves) become slabs of this thickness, as with `sheets=solid`. Pieces that only a large lid closes "
-           "(cloth, terrain), and rooms, whose faces look inwards, become walls. Other open pieces become solid bodies if closing their "
-           "holes encloses more volume than the slab would have, and a warning says so. 0: with `sheets=solid`, slabs are as thick as "
-           "1/500 of the diagonal of the mesh's box."},
+           "Open sheets (panes, leaves) become slabs of this thickness, as with `sheets=solid`. Pieces that only a large lid "
+           "closes (cloth, terrain), and rooms, whose faces look inwards, become walls. Other open pieces become solid "
+           "bodies, with a warning, if closing their holes encloses more volume than the slab would have. 0: with "
+           "`sheets=solid`, slabs are as thick as 1/500 of the diagonal of the mesh's box."},
       [](auto& r) -> auto& { return r.solid.thickness; }));
   ParameterSpec shell = with_member(
       {.name = "shell",
@@ -90,9 +90,10 @@ std::vector<ParameterSpec> solid_parameter_rows() {
        .low = 0,
        .high = 1,
        .doc =
-           "Only parts that can contain a ball of this diameter become hollow. The diameter is a fraction of the longest side of "
-           "the part's bounding box. Plates, rods and parts that already have walls stay as they are. 0: all parts that are thick "
-           "enough become hollow. Other values must be at least 0.1. Default: 0.2 if the material sets the walls, otherwise 0."},
+           "Only parts that can contain a ball of this diameter become hollow, not plates, rods and parts that already have "
+           "walls. The diameter is a fraction of the longest side of the part's bounding box. 0: all parts that are thick "
+           "enough become hollow. Other values must be at least 0.1. Default: 0.2 if the material sets the walls, otherwise "
+           "0."},
       [](auto& r) -> auto& { return r.hollow.least_ball; });
   ball.check = [](const ParameterValue& value) -> std::optional<std::string> {
     const double given = std::get<double>(value);
@@ -117,9 +118,9 @@ std::vector<ParameterSpec> solid_parameter_rows() {
        .low = 0,
        .high = 1000,
        .doc =
-           "Parts of the mesh (closed surfaces) that come within this distance of each other are in contact, and their fragments "
-           "are bonded. Parts that overlap are always in contact. Default: 0.001 times the longest side of the mesh's bounding box. "
-           "The maximum is 0.1 times this side; larger values are reduced to it."},
+           "Parts of the mesh (closed surfaces) that come within this distance of each other are in contact, and their "
+           "fragments are bonded. Parts that overlap are always in contact. Default: 0.001 times the longest side of the "
+           "mesh's bounding box; at most 0.1 times this side."},
       [](auto& r) -> auto& { return r.solid.contact_gap; }));
   add(with_member(
       {.name = "unit",
@@ -154,9 +155,9 @@ std::vector<ParameterSpec> solid_parameter_rows() {
        .type = Type::kChoice,
        .choices = {"hulls", "geometry"},
        .doc =
-           "Treatment of nodes that stand for another node of the mesh, by their names. `hulls`: of levels of detail, only `Crate_LOD0` "
-           "is broken. Collision geometry (`UCX_Crate_00`, `Crate-col`) is not broken; with `intact=true`, the unbroken mesh has "
-           "it as colliders. `geometry`: all nodes are broken."},
+           "How levels of detail and collision geometry, recognized by their names, are treated. `hulls`: of levels of detail, "
+           "only `Crate_LOD0` is broken. Collision geometry (`UCX_Crate_00`, `Crate-col`) is not broken; with `intact=true`, "
+           "the unbroken mesh has it as colliders. `geometry`: all nodes are broken."},
       [](auto& r) -> auto& { return r.proxies; });
   proxies.matters = [](const RequestParameters& r) { return r.proxies != Proxies::kHulls; };
   add(std::move(proxies));

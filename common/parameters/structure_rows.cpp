@@ -51,8 +51,8 @@ ParameterSpec parts_row() {
        .choices = {"together", "apart"},
        .doc =
            "How parts that overlap or touch become fragments. `together`: their pieces in the same cell are one fragment. If "
-           "`fragments` or another limit asks for fewer or larger fragments, a part too small for a fragment of its own joins "
-           "the part with which it has the largest contact. Pieces of several parts that touch in one cell of a hit stay together. "
+           "`fragments` or another limit asks for fewer or larger fragments, a part too small to be a fragment joins the part with "
+           "which it has the largest contact. Pieces of different parts stay together if they touch in one cell of a hit. "
            "`apart`: every fragment belongs to one part."},
       [](auto& r) -> auto& { return r.fracture.parts; });
   spec.matters = [](const RequestParameters& r) { return r.fracture.parts != Parts::kTogether; };
@@ -65,11 +65,11 @@ ParameterSpec instances_row() {
        .type = Type::kChoice,
        .choices = {"keep", "separate"},
        .doc =
-           "Nodes of a glTF file that place the same mesh by rotation, translation and uniform scale. `keep`: an instance no "
-           "larger than the mean fragment stays whole as one fragment, unless it is joined to parts that it touches. The answer "
-           "then contains the mesh once, and a rotated and scaled node for each such instance. A hit cuts an instance like any "
+           "How nodes of a glTF file that place the same mesh (by rotation, translation and uniform scale) are broken. `keep`: "
+           "an instance no larger than the mean fragment stays whole as one fragment, unless it is joined to parts that it touches. "
+           "The answer then contains the mesh once, and a rotated and scaled node for each such instance. A hit cuts an instance like any "
            "other fragment; its pieces have their own meshes. `separate`: instances are parts like others, and each fragment has "
-           "its own mesh. With `parts=apart`, `pivot=source` and `dual=barycenter`, each fragment has its own mesh, too."},
+           "its own mesh. Each fragment also has its own mesh with `parts=apart`, `pivot=source` or `dual=barycenter`."},
       [](auto& r) -> auto& { return r.fracture.instances; });
   spec.matters = [](const RequestParameters& r) { return r.fracture.instances != InstanceUse::kKeep; };
   return spec;

@@ -135,7 +135,7 @@ Expected<std::vector<std::uint32_t>> make_shapes(const Solid& solid, const std::
   whole.hull_limits = parameters.hull_limits;
   whole.contact_strength = 0;
   Execution within = execution;
-  within.progress = {};  // the fragments report progress
+  within.progress = {};  // only the computation of the fragments reports progress
   within.within = nullptr;
   StageTimings timings;
   Expected<Diagram> diagram = make_diagram(models.patch.solid, whole, within, timings);

@@ -18,7 +18,8 @@ struct Masonry {
     Matrix3 axes{};       ///< rows: the axes of the wall nearest to x, y and z; determinant 1
     bool is_wall = true;  ///< otherwise rubble: stones that are flat across y
   };
-  std::vector<Frame> frames;          ///< 1 … `most`; walls in different directions
+  std::vector<Frame>
+      frames;  ///< 1 to `most` (masonry_of()): one for each direction of walls, and one for other parts
   std::vector<std::uint8_t> of_part;  ///< index into frames
 };
 

@@ -99,7 +99,8 @@ std::vector<std::string> warnings_of(const Solid& solid, const std::vector<PartS
     std::string text = "Entry " + std::to_string(k + 1) + " of 'assign' (" + in_words(selector) + ") ";
     if (choice.matches[k]) {
       warnings.push_back(
-          text + "has no effect, because earlier entries decide all parts that it matches. Move it up.");
+          text +
+          "has no effect, because earlier entries already cover all parts that it matches. Move it up.");
       continue;
     }
     text += "matches no part, so it has no effect.";

@@ -248,7 +248,7 @@ void offer_welding(const Surface& surface, const EdgeTable& edges, double diagon
                             .text = counted(found.met, "open edge is", "open edges are") + " within " +
                                     short_number(best * diagonal) + " m of another open edge, the first at " +
                                     place(surface.positions[*first]) +
-                                    ". Each side of such a crack was closed by itself. weld_tolerance=" +
+                                    ". Each side of such a crack was closed separately. weld_tolerance=" +
                                     short_number(best) + " joins the two sides."});
 }
 

@@ -291,12 +291,8 @@ def materials_page(patterns):
     yield "## Values of each material"
     yield ""
     yield from material_values(patterns["materials"])
-    yield "## Sources"
+    yield "`GET /patterns` states the literature on how each material breaks (`mechanics`), and the sources of its physical values (`source`)."
     yield ""
-    yield "The literature on how each material breaks, and the sources of its physical values:"
-    yield ""
-    for entry in patterns["materials"]:
-        yield from wrapped(f"- `{entry['name']}`: {entry['mechanics']} Values: {entry['source'].rstrip('.')}.", "  ")
 
 
 def pages(limits, patterns):

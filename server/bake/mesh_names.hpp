@@ -14,7 +14,7 @@ namespace fracture::bake {
 
 struct MeshNames {
   std::set<std::string> nodes{};      ///< glTF: of nodes and of meshes; OBJ: of objects (o) and groups (g)
-  std::set<std::string> materials{};  ///< glTF: of materials; OBJ: those that faces use (usemtl)
+  std::set<std::string> materials{};  ///< glTF: all material names; OBJ: those that faces use (usemtl)
 };
 
 /// Limits, because the bake process stores these names outside the import sandbox and its --memory limit.

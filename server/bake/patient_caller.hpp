@@ -15,8 +15,8 @@
 namespace fracture::bake {
 
 struct Patience {
-  std::chrono::milliseconds total{60'000};    ///< without a good answer to any thread; then all calls fail
-  std::chrono::milliseconds first_pause{50};  ///< before the first retry; doubles each time …
+  std::chrono::milliseconds total{60'000};  ///< if no thread gets a good answer for this long, all calls fail
+  std::chrono::milliseconds first_pause{50};       ///< before the first retry; doubles each time …
   std::chrono::milliseconds longest_pause{2'000};  ///< … up to this. A longer Retry-After takes precedence.
 };
 

@@ -260,6 +260,8 @@ std::vector<std::string> RuleTally::warnings() const {
           name_of_rule(k, file_) + " (" + patterns_in_words(file_.rules[k]) + ") " +
           (seen_[k].matched
                ? "is never applied: an earlier rule applies to the whole of every mesh that this rule matches."
+           : file_.rules[k].is_of_parts()
+               ? "matches no mesh. Rules read the names of nodes and materials only in glTF, GLB and OBJ files."
                : "matches no mesh."));
   return lines;
 }

@@ -25,10 +25,11 @@ void Api::write_metrics(ops::MetricWriter& writer) const {
   constexpr std::pair<Priority, const char*> kClasses[] = {
       {Priority::kRealtime, "realtime"}, {Priority::kBatch, "batch"}, {Priority::kBackground, "background"}};
   for (const auto& [priority, name] : kClasses)
-    writer.gauge("fracture_predicted_wait_seconds",
-                 "Predicted time in the queue for a new computation of the client with the most past use, by "
-                 "priority class.",
-                 pool.backlog(priority).count(), {{"class", name}});
+    writer.gauge(
+        "fracture_predicted_wait_seconds",
+        "Predicted queue time of a new computation, by priority class, for the client that has used the most "
+        "processor time (the worst case).",
+        pool.backlog(priority).count(), {{"class", name}});
 
   const Dispatcher::Figures work = dispatcher_.figures();
   const auto count = [&writer](const char* name, const char* help, std::uint64_t value) {

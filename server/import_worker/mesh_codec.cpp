@@ -127,7 +127,7 @@ std::vector<std::string> read_texts(ByteReader& in) {
   std::vector<std::string> texts(in.length(sizeof(std::uint64_t)));
   for (std::string& text : texts) {
     text = in.text();
-    require(is_utf8(text), "a text is not UTF-8");
+    require(is_utf8(text), "text is not UTF-8");
   }
   return texts;
 }
@@ -162,7 +162,7 @@ void check_extras(const std::string& members, const ImportLimits& limits) {
 void read_empty_node(ByteReader& in, const ImportLimits& limits, EmptyNode& node) {
   node.name = in.text();
   node.extras = in.text();
-  require(is_utf8(node.name) && is_utf8(node.extras), "a text is not UTF-8");
+  require(is_utf8(node.name) && is_utf8(node.extras), "text is not UTF-8");
   check_extras(node.extras, limits);
   for (Vec3d* column : {&node.x, &node.y, &node.z, &node.t}) {
     *column = in.value<Vec3d>();
@@ -279,7 +279,7 @@ Mesh read_mesh(ByteReader& in, const ImportLimits& limits) {
   for (NodeGroup& group : mesh.groups) {
     group.name = in.text();
     group.parent = in.value<std::uint32_t>();
-    require(is_utf8(group.name), "a text is not UTF-8");
+    require(is_utf8(group.name), "text is not UTF-8");
   }
   mesh.group_of_node = in.array<std::uint32_t>();
   if (in.value<std::uint8_t>() != 0)
@@ -312,9 +312,9 @@ Mesh read_mesh(ByteReader& in, const ImportLimits& limits) {
   for (Dropped& entry : mesh.dropped)
     for (std::string* text : {&entry.what, &entry.name, &entry.reason}) {
       *text = in.text();
-      require(is_utf8(*text), "a text is not UTF-8");
+      require(is_utf8(*text), "text is not UTF-8");
     }
-  require(in.at_end(), "the mesh ends early or late");
+  require(in.at_end(), "the mesh has too few or too many bytes");
   check_mesh(mesh, limits);
   return mesh;
 }

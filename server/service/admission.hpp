@@ -23,7 +23,8 @@ struct ExpectedWork {
 double expected_sites(const FractureParameters& parameters, const Solid* solid,
                       const Selection& selection = {});
 
-/// Cuts between aggregates are larger than those between as many cells by this factor, because they are ragged.
+/// Cuts between aggregates are ragged: their area is this many times that of the cuts between the same number of plain
+/// cells.
 inline constexpr double kRaggedness = 1.6;
 
 /// Returns the number of triangles in the rough cuts between `sites` cells. Each cut counts once, although two cells share

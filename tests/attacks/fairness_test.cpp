@@ -1,6 +1,6 @@
 // Waiting times: the requests of others do not delay a client by more than their share. Tests compare counts
-// where a count says as much as a time. The only rule about time (p99 within 1.5 times) is judged with
-// FRACTURE_TEST_FULL, as a quotient of medians over alternating rounds of one run.
+// where a count says as much as a time. The only test of a time (p99 at most 1.5 times as long) runs only with
+// FRACTURE_TEST_FULL. It compares the ratio of medians over alternating rounds of one run.
 #include <algorithm>
 #include <cmath>
 #include <tuple>

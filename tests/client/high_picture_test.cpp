@@ -156,7 +156,7 @@ TEST_F(RendererTest, HighARoughMirrorShowsLessOfIt) {
   metal.metallic = 1;
   RenderSettings settings = bare();
   settings.lighting.sun = glm::vec3(0);
-  // The camera looks down at a slope. From the lower to the upper end of the mirror, the reflected direction
+  // The camera looks straight at the upright mirror. From the lower to the upper end of the mirror, the reflected direction
   // crosses the horizon.
   const Camera camera = looking({0, 0, 3}, {0, 0, 0});
   const auto contrast = [&](float roughness) {

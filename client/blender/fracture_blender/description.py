@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A server's parameters, patterns and materials, as described by GET /patterns.
 
-The add-on has no list of its own. The description comes from the server in use, or from the program fracture-server, which the
+The add-on does not contain this list. The description comes from the server in use, or from the program fracture-server, which the
 add-on briefly starts as a server. The latest description is stored in Blender's user folder for the next start. A packed add-on can
 contain a description for the first start (pack.py --describe).
 """

@@ -128,7 +128,7 @@ def digest_matches(field: str, content: bytes) -> bool:
 def check_digest(response: Response) -> str:
     """Checks an answer with fragments against its digest. Returns what is wrong, or ""."""
     if response.status in (204, 206, 304):
-        return ""  # the digest is of the whole answer, and this response has none or a part of it
+        return ""  # the digest covers the whole answer, but this response has no body or only part of it
     field = response.headers.get("repr-digest", "")
     if not field:
         return "The answer has no Repr-Digest, so it cannot be checked."

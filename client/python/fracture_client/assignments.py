@@ -15,7 +15,7 @@ def assignment(material: Optional[str] = None, *, node: Union[str, Sequence[str]
     `node`: names or indices of nodes, or patterns such as Wall_*; a node includes all nodes below it. `slot`: names or indices of the
     mesh's materials, or patterns; the material on most of a part's surface counts. `part`: numbers of parts, as in Fragment.part. If
     several are given, all must match. `parameters`: those that a material sets; GET /limits marks them as `assignable`. The first
-    entry that matches a part decides. Parts without an entry use the parameters of the request.
+    entry that matches a part applies. Parts without an entry use the parameters of the request.
     """
     entry: Dict[str, Any] = {}
     for name, value in (("node", node), ("slot", slot), ("part", part)):

@@ -1,4 +1,4 @@
-"""Changes that the server offers and does not make by itself."""
+"""Changes that the server offers, but makes only on request."""
 from __future__ import annotations
 
 from typing import Any, Dict, List, Mapping, NamedTuple, Union

@@ -183,7 +183,7 @@ class Client(Caller):
 
     def explain(self, problem: Union[str, FractureError], *, timeout: Optional[float] = None,
                 cancel: Optional[Cancel] = None) -> str:
-        """Returns a text for people that explains an error type and what to do about it. Raises FractureError."""
+        """Explains an error type and what to do about it, in words for people. Raises FractureError."""
         name = problem.type if isinstance(problem, FractureError) else problem.rsplit("/", 1)[-1]
         target = "/problems/" + urllib.parse.quote(name, safe="")
         response = self._ask("GET", target, b"", {"Accept": "text/plain"}, asking.check_nothing, timeout, cancel)

@@ -56,7 +56,7 @@ class Fragment:
     not_collide_with: Tuple[int, ...]  # systems of fragments that it overlaps, so it must not collide with them
     primitives: Tuple[Primitive, ...]
     hulls: Tuple[Hull, ...]  # empty with physics=none
-    sheet: Tuple[Primitive, ...]  # the sheets that it carries (panes, leaves), with vertices of their own; usually empty
+    sheet: Tuple[Primitive, ...]  # the sheets that it carries (panes, leaves), with separate vertices; usually empty
     extras: Dict[str, Any] = field(repr=False)  # the whole `extras.fracture` of its node
 
     @property

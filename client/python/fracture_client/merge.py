@@ -33,7 +33,7 @@ class _Piece:
 
     @property
     def shape(self) -> Optional[int]:
-        """The number of the shape that it shares with other instances of a mesh; None if it has a mesh of its own."""
+        """The number of the shape that it shares with other instances of a mesh; None if it has its own mesh."""
         return self.own.get("shape")
 
 

@@ -42,7 +42,7 @@ class Mesh:
 
     @property
     def choices(self) -> List[Choice]:
-        """Changes that the server offers for this mesh and does not make by itself. [] before put() or refresh()."""
+        """Changes that the server offers for this mesh, but makes only on request. [] before put() or refresh()."""
         return read_choices(self.report)
 
     @property

@@ -164,7 +164,7 @@ export class Client {
   async openapi(call: CallOptions = {}): Promise<Record<string, any>> {
     return this.discover('getOpenapi', call);
   }
-  /** Returns a text for people that explains an error and what to do about it. `problem`: the error's name or type. Throws
+  /** Explains an error and what to do about it, in words for people. `problem`: the error's name or type. Throws
    * FractureError. */
   async explain(problem: string, call: CallOptions = {}): Promise<string> {
     const name = problem.slice(problem.lastIndexOf('/') + 1);

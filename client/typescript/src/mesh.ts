@@ -8,7 +8,7 @@ import { localError } from './problems.js';
 import { type Parameters, parametersText } from './parameters.js';
 import { type Ask, type CallOptions, json, type Reply } from './transport.js';
 
-/** A change that the server offers and does not make by itself, because it changes what the mesh is. Fracture with its parameters to
+/** A change that the server offers, but makes only on request, because it changes what the mesh is. Fracture with its parameters to
  * get it. */
 export interface Choice {
   kind: 'unit' | 'room' | 'lid' | 'crack';

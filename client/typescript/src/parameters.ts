@@ -17,7 +17,7 @@ export interface Assignment {
 }
 /** Parameters by name. GET /patterns and GET /limits list the names. */
 export interface Parameters {
-  /** At most 64 entries, of which the first that matches a part decides; or the text selector:material;selector:material. */
+  /** At most 64 entries, of which the first that matches a part applies; or the text selector:material;selector:material. */
   readonly assign?: string | readonly Assignment[];
   readonly [name: string]: ParameterValue | undefined;
 }

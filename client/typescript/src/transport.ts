@@ -218,7 +218,7 @@ export class Interrupted {
     if (this.began) return localError('damaged-answer', `The response was cut off: ${textOf(this.error)}.`, said);
     // A browser does not reveal whether the server is absent or refuses requests from this page.
     const page = (globalThis as { location?: { origin?: string } }).location?.origin;
-    const cors = page && page !== base.origin ? ` If it is running, start it with --cors-origin ${page}.` : '';
+    const cors = page && page !== base.origin ? ` If the server is running, restart it with --cors-origin ${page}, because browsers hide refused cross-origin answers.` : '';
     return localError('server-absent', `No server answers at ${base.origin} (${textOf(this.error)}).${cors}`, said);
   }
 }

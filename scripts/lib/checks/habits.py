@@ -58,6 +58,16 @@ HABITS = [
      rf"{CONTAINER}\b", "say where it is: 'is in', 'is on'"),
     ("told", rf"\b{BE} told(?= (?:from|by|otherwise|here|once|at|in)\b)|\b(?:can|cannot|could|may|might|to) be told(?=[.,;:)]|$)",
      "'are distinguished by', 'is known from', 'the client is informed'"),
+    ("of-own", r"\b[Aa]n own\b|\bof (?:its|their) own(?=[.,;:)]|$| (?:and|or|if|in|on|for|with|below)\b)",
+     "'its own mesh', 'separate meshes', not 'a mesh of its own'"),
+    ("several", r"\b(?:[Pp]ieces|[Ff]ragments|[Cc]uts|[Tt]riangles|[Cc]ells) of several (?:parts|materials|nodes)\b", "write 'of different parts'"),
+    ("another-than", r"\banother (?:number|count|size|format|dimension|unit|order|version|length) (?:of [\w ]+)?than\b",
+     "write 'a different number from'"),
+    ("by-itself", r"\b(?:is|are|was|were|be|not) (?:closed|cut|divided|read|written|checked|made|make \w+|does \w+) by (?:itself|themselves)\b",
+     "write 'separately', 'automatically' or 'only on request'"),
+    ("meant", r"\b(?:cannot|can|could|may|must) be meant\b", "write 'is implausible' or 'is likely'"),
+    ("stands-for", r"\bstands? (?:for (?:all|another|many|a|the) [\w']+ (?:of|below|that|which|nodes?)\b|with the\b)",
+     "name the relation: 'matches', 'replaces', 'is next to'"),
     ("said", rf"\b{BE} said\b(?! to\b)", "name the message: 'is reported', 'the report lists'"),
 ]
 HABITS = [(name, re.compile(pattern), better) for name, pattern, better in HABITS]

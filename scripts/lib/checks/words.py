@@ -68,7 +68,7 @@ def in_comments(passages, name, lines):
 
 
 def fix(checkout):
-    """Removes files that are clean or deleted from the list."""
+    """Removes clean and deleted files from the list."""
     listed = not_yet(checkout)
     unclean = {name for name, passages in read_passages(checkout, [name for name in listed if name in checkout.texts])
                if any(in_texts(checkout, name, passages))}

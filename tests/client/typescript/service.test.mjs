@@ -103,7 +103,7 @@ describe('the service', { skip: noServer }, () => {
     assert.equal((await refusal(mesh.estimate({ sites: 0 }))).problem, 'bad-parameter');
   });
 
-  test('a size that cannot be meant is a choice', async () => {
+  test('an implausible size is a choice', async () => {
     const text = torus({ radius: 1000, tube: 400 });
     const large = await client.put([{ name: 'large.obj', data: Buffer.from(text) }]), [choice] = large.choices;
     assert.deepEqual([choice.kind, choice.parameters], ['unit', { unit: 'mm' }]);

@@ -294,7 +294,9 @@ TEST_F(BakeRulesTest, RulesThatDecideNothingAreSaid) {
       (std::vector<std::string>{
           "Rule 3 of '" + path +
               "' (path \"b*\") is never applied: an earlier rule applies to the whole of every mesh that this rule matches.",
-          "Rule 4 of '" + path + "' (path \"c*\", material \"oak\") matches no mesh."}));
+          "Rule 4 of '" + path +
+              "' (path \"c*\", material \"oak\") matches no mesh. Rules read the names of nodes and materials only in "
+              "glTF, GLB and OBJ files."}));
   tally.add_unread("d.obj");
   EXPECT_EQ(tally.warnings().size(), 2u) << "d.obj is called otherwise";
   tally.add_unread("c2.obj");

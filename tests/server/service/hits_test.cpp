@@ -286,7 +286,8 @@ TEST_F(HitsTest, TheRestMayStayOnePieceFromHitToHit) {
       {{"of", address(first)}, {"local_point", {0, 0.5, 0.5}}, {"local_radius", 0.3}, {"local_sites", 6}});
   const json figures = figures_of(*second.result);
   EXPECT_EQ(figures.at("parameters").at("local_rest"), "whole");
-  // The box of 2 m x 1 m x 1 m without two hits of 0.3 m: the rest is one piece of more than half.
+  // The box is 2 m x 1 m x 1 m, and each hit has a radius of 0.3 m. So the rest is one piece with more than half of the
+  // volume.
   std::size_t large = 0;
   const json document = document_of(*second.result);
   for (const json& node : document.at("nodes"))

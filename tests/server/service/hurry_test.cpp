@@ -64,7 +64,7 @@ TEST_F(Demoted, WhoWasHurriedDoesNotEndWhoBeganInTheClass) {
 }
 
 /// A task that began in a class does not keep its place there after it became less urgent.
-TEST_F(Demoted, WhoIsBackgroundNowLeavesBatchWorkItsPlace) {
+TEST_F(Demoted, ATaskThatBecameBackgroundLeavesBatchWorkItsPlace) {
   first.end = second.end = true;
   pool.wait_idle();
   const Computing posted(pool, 1, kBatch);
@@ -73,8 +73,8 @@ TEST_F(Demoted, WhoIsBackgroundNowLeavesBatchWorkItsPlace) {
   EXPECT_FALSE(posted.was_ended);
 }
 
-/// A job that waits for a part goes on while a collision waits for the job.
-TEST_F(Demoted, WhoGoesOnHurriedKeepsThePlaceOfItsClass) {
+/// A hurried job that resumes after waiting for a part, and is then no longer hurried, keeps the place of its original class.
+TEST_F(Demoted, AResumedHurriedJobKeepsThePlaceOfItsClass) {
   first.end = second.end = true;
   pool.wait_idle();
   std::atomic<bool> end{false}, ended{false};
