@@ -72,7 +72,7 @@ std::string why_fewer(std::uint32_t asked, const FractureParameters& parameters,
   const Certificate& counts = set.certificate;
   if (const std::uint64_t crossing = std::uint64_t{counts.united} - set.size.united;
       counts.united > set.size.united)
-    return counted(crossing, "piece has no volume of its own", "pieces have no volume of their own") +
+    return counted(crossing, "piece has no separate volume", "pieces have no separate volume") +
            ", because the surface crosses itself. Ask for more fragments, or repair the surface in a modelling tool.";
   SizeLimits others = parameters.size;
   others.fragments = 0;
