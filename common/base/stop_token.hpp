@@ -1,4 +1,4 @@
-// Tells a computation whether its result is still wanted. A caller passes its std::stop_token or a type of its own;
+// Tells a computation whether its result is still wanted. A caller passes its std::stop_token or its own type;
 // code in common/ only reads it.
 #pragma once
 

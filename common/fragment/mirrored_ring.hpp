@@ -1,5 +1,5 @@
 // Triangulation of polygons that two solids share. Two fragments that were cut apart have the same triangles there, once
-// as they are and once mirrored. If both are cut again by the same planes, each is cut by itself. So that the new
+// as they are and once mirrored. If both are cut again by the same planes, each is cut separately. So that the new
 // triangles match again, the polygons are brought into an order that depends only on positions, not on ids or sides.
 #pragma once
 

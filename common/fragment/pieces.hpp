@@ -58,7 +58,7 @@ struct Piece {
   /// The vertices of each member cell's share, including those that fusing hides, for pieces of several
   /// cells; otherwise empty.
   std::vector<std::vector<CutVertexId>> bodies{};
-  /// Ascending, if pieces of several parts were joined; otherwise empty
+  /// Ascending, if pieces of different parts were joined; otherwise empty
   std::vector<PartOwner> part_owners{};
 };
 

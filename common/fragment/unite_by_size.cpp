@@ -85,7 +85,7 @@ class Merging {
       (is_dust_[p] ? dust : of_family)[family] += groups_.is_group(p);
     }
     for (std::size_t k = 0; k < of_family.size(); ++k)
-      if (of_family[k] == 0) of_family[k] = dust[k];  // a family of its own
+      if (of_family[k] == 0) of_family[k] = dust[k];  // a separate family
     for (const auto& [group, with] : unions_) --of_family[family_of(group)];
     PartQuotas quotas(
         pieces_, [&](std::uint32_t p) { return family_of(p); }, volumes_, std::move(of_family),

@@ -17,7 +17,7 @@ namespace fracture {
 /// zero.
 void write_offset(JsonText& json, const Mesh& source);
 
-/// How the fragment's node places the shape of its instance; null if the fragment has a mesh of its own. Godot, which reads
+/// How the fragment's node places the shape of its instance; null if the fragment has its own mesh. Godot, which reads
 /// OMI_physics_body, ignores the scale of a body, so scaled instances then have their own meshes.
 const InstancedBodies::Body* instance_in_file(const FracturedSolid& fractured, const GltfOptions& options,
                                               std::size_t fragment);

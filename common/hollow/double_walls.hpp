@@ -17,7 +17,7 @@ inline constexpr double kWidestLeak = 0.005;
 /// shards of a thin wall. Programs that make meshes from images often write such parts, although a solid body is meant.
 ///
 /// The mean distance of the two sides is the volume between them, divided by their mean area (Cavalieri's principle). It
-/// can only be small if the sides are nearly parallel. If the inner side is a shell of its own, its area is known. If a
+/// can only be small if the sides are nearly parallel. If the inner side is a separate shell, its area is known. If a
 /// leak connects it with the outer side, both are one shell. Then rays along the normals find the triangles that see the
 /// outside. Their largest connected region is the outer side, and the largest region of all others is the inner side.
 /// It is a double wall with a leak if its rim is short (kWidestLeak), and if it encloses more space than the wall fills.

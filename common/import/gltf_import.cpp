@@ -40,7 +40,7 @@ class MeshReader {
   MeshReader(const tinygltf::Model& model, std::size_t material_count, MeshBuilder& builder)
       : model_(model), material_count_(material_count), builder_(builder) {}
 
-  /// `node`: the one that shows the mesh, because it may have morph weights of its own.
+  /// `node`: the one that shows the mesh, because it may have its own morph weights.
   std::vector<RawSurface> read(const tinygltf::Mesh& mesh, const tinygltf::Node& node) const {
     std::vector<RawSurface> surfaces;
     std::map<std::map<std::string, int>, std::vector<std::size_t>> by_accessors;  // indices of surfaces

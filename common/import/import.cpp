@@ -110,7 +110,7 @@ void state_frame(Mesh& mesh, FormatFrame frame) {
 }
 
 /// Refuses materials that the server would not accept from the process that reads the file. Readers of formats in which
-/// materials are numerous have limits of their own, which are lower.
+/// materials are numerous have their own limits, which are lower.
 Expected<void> limit_materials(const MaterialLibrary& library) {
   constexpr std::size_t kMost = kMaxLibraryBytes / 2 * 3;
   for (const nlohmann::json* list : json_lists(library))

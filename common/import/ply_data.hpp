@@ -16,7 +16,7 @@
 
 namespace fracture {
 
-/// Each instance of an element begins on a line of its own. More values on its last line are ignored.
+/// Each instance of an element begins on a new line. More values on its last line are ignored.
 class PlyTextData {
  public:
   PlyTextData(std::string_view file, const PlyHeader& header) : scan_(file, "PLY", false) {

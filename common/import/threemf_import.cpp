@@ -7,7 +7,6 @@
 #include <map>
 #include <memory>
 #include <optional>
-#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -24,6 +23,7 @@
 #include "common/import/refused.hpp"
 #include "common/import/text_encoding.hpp"
 #include "common/import/threemf_model.hpp"
+#include "common/import/threemf_modifiers.hpp"
 #include "common/import/xml_tags.hpp"
 #include "common/import/zip_archive.hpp"
 #include "common/mesh/material_library.hpp"
@@ -35,6 +35,7 @@ namespace {
 using nlohmann::json;
 using threemf::Instance;
 using threemf::ModelPart;
+using threemf::Modifiers;
 using threemf::Object;
 
 /// Deeper nesting is a loop: real projects have two or three levels.
@@ -101,56 +102,6 @@ std::string root_path(const Package& package) {
     return false;
   });
   return path;
-}
-
-/// Volumes that a slicer does not print, by their ids in its configuration.
-struct Modifiers {
-  std::map<std::uint32_t, std::vector<std::array<std::uint32_t, 2>>>
-      triangles;                    ///< PrusaSlicer: per object, first and last
-  std::set<std::uint32_t> objects;  ///< Bambu Studio, OrcaSlicer
-};
-
-std::optional<std::uint32_t> whole(std::string_view tag, std::string_view name) {
-  const auto value = xml::attribute(tag, name);
-  std::uint32_t number = 0;
-  if (!value) return std::nullopt;
-  const auto [end, error] = std::from_chars(value->data(), value->data() + value->size(), number);
-  if (error != std::errc() || end != value->data() + value->size()) return std::nullopt;
-  return number;
-}
-
-/// PrusaSlicer writes the volumes of an object as ranges of triangles of one mesh.
-void read_prusa(const std::string& text, Modifiers& modifiers) {
-  std::optional<std::uint32_t> object, first, last;
-  bool is_modifier = false;
-  xml::for_tags(text, [&](std::string_view tag, std::size_t) {
-    const std::string_view name = xml::name_of(tag);
-    if (name == "object" && !xml::is_end(tag)) object = whole(tag, "id");
-    if (name == "volume" && !xml::is_end(tag)) {
-      first = whole(tag, "firstid");
-      last = whole(tag, "lastid");
-      is_modifier = false;
-    }
-    if (name == "metadata") {
-      const auto key = xml::attribute(tag, "key"), value = xml::attribute(tag, "value");
-      is_modifier |= key && value && *key == "volume_type" && *value != "ModelPart";
-      is_modifier |= key && value && *key == "modifier" && *value == "1";
-    }
-    if (name == "volume" && xml::is_end(tag) && is_modifier && object && first && last)
-      modifiers.triangles[*object].push_back({*first, *last});
-    return true;
-  });
-}
-
-/// Bambu Studio and OrcaSlicer write each volume as an object of its own.
-void read_bambu(const std::string& text, Modifiers& modifiers) {
-  xml::for_tags(text, [&](std::string_view tag, std::size_t) {
-    if (xml::name_of(tag) != "part" || xml::is_end(tag)) return true;
-    const auto subtype = xml::attribute(tag, "subtype");
-    const auto id = whole(tag, "id");
-    if (subtype && *subtype != "normal_part" && id) modifiers.objects.insert(*id);
-    return true;
-  });
 }
 
 /// Converts materials, and gives each of them a slot when it is first used.
@@ -260,9 +211,9 @@ class Importer3mf {
 
   Mesh read() {
     const std::string path = root_path(package_);
-    if (package_.has(kPrusa)) read_prusa(package_.read_text(kPrusa), modifiers_);
+    if (package_.has(kPrusa)) threemf::read_prusa(package_.read_text(kPrusa), modifiers_);
     for (auto& [id, ranges] : modifiers_.triangles) std::sort(ranges.begin(), ranges.end());
-    if (package_.has(kBambu)) read_bambu(package_.read_text(kBambu), modifiers_);
+    if (package_.has(kBambu)) threemf::read_bambu(package_.read_text(kBambu), modifiers_);
     const ModelPart& root = part(path);
     if (root.build.empty())
       refuse(ErrorCode::kEmptyMesh, "The 3MF package has no build items: nothing in it is to be made.");

@@ -59,7 +59,7 @@ class SourceNodes {
   /// Returns the nearest common ancestor of the instances, which may be their own node, or kNoIndex: none. Takes at most
   /// 2 × kMostSourceLevels steps.
   std::uint32_t common_ancestor(const NodeRange& instances) const;
-  /// Returns whether the mesh, with what Mesh::passed_through keeps of it, has triangles of several nodes, or of a node below
+  /// Returns whether the mesh, with what Mesh::passed_through keeps of it, has triangles of different nodes, or of a node below
   /// another one. Otherwise, the tree says nothing. Throws Interrupted.
   bool is_hierarchy(const Execution& execution) const;
 

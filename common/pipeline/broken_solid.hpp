@@ -41,7 +41,7 @@ Expected<BrokenSolid> break_solid(const Solid& solid, const Diagram& diagram,
 
 /// Applies the hits of the parameters that come after the first `broken.hits`. Fragments that no cell of a hit cuts stay
 /// the same objects. The others are replaced by their pieces. The largest piece of the rest of a fragment keeps its id.
-/// Further pieces of the rest are fragments of their own, like the pieces that the hit breaks off. Afterwards, fragments are
+/// Further pieces of the rest are separate fragments, like the pieces that the hit breaks off. Afterwards, fragments are
 /// in the order of their first sites, parts and ids. Errors: those of check_sites_of_hits(), cells_of_hit() and cut_again(). Throws Interrupted.
 Expected<void> apply_hits(const Solid& solid, const FractureParameters& parameters, BrokenSolid& broken,
                           const Execution& execution);

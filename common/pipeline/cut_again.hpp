@@ -44,7 +44,7 @@ struct HitOnFragments {
 /// The limits for pieces that hits break off a solid of this volume (m³).
 SizeLimits limits_of_hits(const FractureParameters& parameters, double volume);
 
-/// Returns nothing if no cut goes through the fragment: it is in the rest, or in one cell of the hit. Pieces of several
+/// Returns nothing if no cut goes through the fragment: it is in the rest, or in one cell of the hit. Pieces of different
 /// parts that touch in one cell stay together, if the parts do (Parts::kTogether). Error: kUnsound. Throws Interrupted.
 Expected<std::optional<PiecesOfFragment>> cut_again(const HitOnFragments& hit, const KeptFragment& fragment,
                                                     const Execution& execution);

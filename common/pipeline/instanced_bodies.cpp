@@ -41,7 +41,7 @@ std::uint32_t instance_of(const Fragment& f, const Instances& instances) {
   return found == instance.parts.size() && whole ? index : kNoIndex;
 }
 
-/// The models of some shapes as a solid of their own.
+/// The models of some shapes as a separate solid.
 struct Models {
   SolidPatch patch;
   std::vector<std::uint32_t> shape;  ///< per instance of the patch
@@ -87,8 +87,8 @@ void renumber_parts(Fragment& f, const Number& number) {
     if (p.part != kNoIndex) p.part = number(p.part);
 }
 
-/// Numbers the shapes of instances. Parts that different entries of FractureParameters::assigned decide have looks of their own, so
-/// each entry has shapes of its own. An instance that stays whole is decided by one entry.
+/// Numbers the shapes of instances. Parts that different entries of FractureParameters::assigned decide have their own looks, so
+/// each entry has its own shapes. An instance that stays whole is decided by one entry.
 class ShapeNumbers {
  public:
   ShapeNumbers(const Solid& solid, const FractureParameters& parameters, const Execution& execution)

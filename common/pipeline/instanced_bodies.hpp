@@ -28,8 +28,8 @@ Expected<InstancedBodies> find_instanced_bodies(const std::vector<Fragment>& fra
 void share_hulls(const InstancedBodies& instances, const std::vector<Fragment>& fragments,
                  CollisionHulls& hulls, const Execution& execution);
 
-/// Removes the fragments whose hulls no longer are those of their shapes, because they were trimmed. They get meshes of their
-/// own.
+/// Removes the fragments whose hulls no longer are those of their shapes, because they were trimmed. They get separate
+/// meshes.
 void separate_trimmed(InstancedBodies& instances, const CollisionHulls& hulls);
 
 /// Counts the fragments that are left, and their shapes. Returns nothing if none are. `of_fragment`: as in `instances`, which
@@ -37,7 +37,7 @@ void separate_trimmed(InstancedBodies& instances, const CollisionHulls& hulls);
 std::optional<InstanceFigures> count_instances(const InstancedBodies& instances,
                                                const std::vector<std::uint32_t>& of_fragment);
 
-/// Removes the fragments that carry sheets, because each carries other pieces of sheets and needs a mesh of its own. These
+/// Removes the fragments that carry sheets, because each carries other pieces of sheets and needs its own mesh. These
 /// fragments still use the hulls of the shape.
 void separate_carriers(InstancedBodies& instances, const std::vector<Fragment>& fragments);
 

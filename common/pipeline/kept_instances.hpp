@@ -29,7 +29,7 @@ struct PartGroups {
 /// An instance stays whole if its volume is at most about the mean volume of `wanted` fragments, and joining it to other parts does
 /// not serve their number. So it touches no other part, or more than `wanted` groups of parts touch nothing. With
 /// Parts::kInstances, nothing is joined, so only the volume decides. With InstanceUse::kAll, each instance stays whole. Each such
-/// instance is a group of its own. With Parts::kTogether, parts of the other groups are in contact, with an area; otherwise each
+/// instance is a separate group. With Parts::kTogether, parts of the other groups are in contact, with an area; otherwise each
 /// part is a group. Linear. Throws Interrupted.
 PartGroups group_parts(const Solid& solid, const FractureParameters& parameters, std::uint32_t wanted,
                        const Execution& execution);

@@ -68,7 +68,7 @@ struct HitCells {
 };
 
 /// Makes the diagram of hits[number]. Its sites depend on the number, so a second hit at the same place breaks more.
-/// Sites that do not fit into the solid near the hit are left out, with a remark. If each part has a grain of its own,
+/// Sites that do not fit into the solid near the hit are left out, with a remark. If each part has its own grain,
 /// the grain of the part that is nearest to the hit applies. `keep`: a region that the cells do not enter (hit_region.hpp). If
 /// it takes sites from the hit, there are more sites around it instead. Errors: those of plan_sites() and tetrahedralize().
 Expected<HitCells> cells_of_hit(const Solid& solid, const SiteParameters& parameters,

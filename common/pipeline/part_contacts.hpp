@@ -9,7 +9,7 @@
 
 namespace fracture {
 
-/// Whether pieces of several parts can become one fragment: parts are fractured together and any contact between them has an
+/// Whether pieces of different parts can become one fragment: parts are fractured together and any contact between them has an
 /// area, or instances may stay whole.
 bool joins_parts(const Solid& solid, const FractureParameters& parameters);
 

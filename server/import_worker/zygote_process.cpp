@@ -29,7 +29,7 @@ constexpr const char* kTunables = "GLIBC_TUNABLES=glibc.malloc.hugetlb=1";
   throw std::system_error(error, std::generic_category(), what);
 }
 
-/// The child gets a session of its own, so that only the server handles Ctrl-C on its terminal. It gets the socket, and none of the
+/// The child gets its own session, so that only the server handles Ctrl-C on its terminal. It gets the socket, and none of the
 /// server's other descriptors. No signals are blocked or ignored.
 void describe_child(Spawn& spawn, int socket) {
   spawn.reset_signals();

@@ -1,7 +1,7 @@
 // Fuzz target: the first byte chooses the format, the rest is the file. For every input import_mesh returns a
 // valid Mesh or an Error with a sentence. It does not crash, hang or allocate memory that the file merely
 // declares. Formats that run only in the sandbox (BLEND, FBX, DAE, 3DS) and the inside of Assimp are not the
-// target here. OBJ, STL, PLY and OFF have targets of their own, too, with a corpus for each.
+// target here. OBJ, STL, PLY and OFF also have their own targets, with a corpus for each.
 #include <cstddef>
 #include <cstdint>
 #include <span>

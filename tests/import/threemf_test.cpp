@@ -153,7 +153,7 @@ TEST(ThreeMf, StatesItsUnit) {
   EXPECT_THAT(wrong.error().detail, HasSubstr("cubit"));
 }
 
-// Bambu Studio and OrcaSlicer keep each object in a file of its own.
+// Bambu Studio and OrcaSlicer keep each object in a separate file.
 TEST(ThreeMf, ComponentsInOtherPartsAreFound) {
   const std::string root = model(
       "<object id=\"2\" name=\"pair\" type=\"model\"><components>"

@@ -84,7 +84,7 @@ TEST(WholeBonds, NeedAContactAndScenery) {
   EXPECT_FALSE(first_of({kBroken, open}).scenery) << "a triangle encloses no volume";
 }
 
-// Each part has a grain of its own, so each has its own image.
+// Each part has its own grain, so each has its own image.
 TEST(WholeBonds, WithSeveralDiagramsAddUpToTheContact) {
   FractureParameters p;
   p.sites = 40;

@@ -103,7 +103,7 @@ Mesh slab_with_rods() {
   return joined(parts);
 }
 
-// The cells of a hit cut each part by itself. Until algorithm 27, the estimate was a third to a half of the new pieces.
+// The cells of a hit cut each part separately. Until algorithm 27, the estimate was a third to a half of the new pieces.
 TEST(EstimateOfHits, CountsThePiecesOfSmallParts) {
   struct PartsCase {
     const char* name;
@@ -139,7 +139,7 @@ TEST(EstimateOfHits, CountsThePiecesOfSmallParts) {
   }
 }
 
-// Small parts that touch nothing are fragments of their own, whatever number is asked for.
+// Small parts that touch nothing are separate fragments, whatever number is asked for.
 TEST(EstimateOfHits, LooseSmallPartsCountAsFragments) {
   Solid solid = solid_of(slab_with_cubes(8, 0.1, 0.13));
   RequestParameters asked;
