@@ -74,7 +74,7 @@ struct Fragment {
   std::uint32_t source_part = 0;  ///< equal to `part`; after refracture, the part of the broken fragment
   std::uint32_t node = 0;         ///< index into Mesh::node_names
   NodeRange nodes{};              ///< of all its parts; with `node`, they decide the group node that holds it
-  /// Part of each triangle, if pieces of several parts were joined. Otherwise empty.
+  /// Part of each triangle, if pieces of different parts were joined. Otherwise empty.
   std::vector<std::uint32_t> triangle_parts{};
   /// Centre of mass on the seam lattice, m; `pivot`, unless that is the origin of the source.
   Vec3d center;

@@ -17,7 +17,7 @@ struct ExpectedWork {
 };
 
 /// Returns how many sites the parameters will lead to. Sites of hits, and those added later by size limits or the refracture of
-/// one fragment, are included. If hits leave the rest whole, the pattern does not have its own sites. The first fracture and the refracture count at most FractureParameters::most_sites each.
+/// one fragment, are included. If hits leave the rest whole, the pattern adds no sites. The first fracture and the refracture count at most FractureParameters::most_sites each.
 /// For patterns with a given cell size, and for max_volume, the number follows from the box and the volume of `solid`.
 /// Without a solid, when nothing is known about the mesh yet, `sites` is used instead.
 double expected_sites(const FractureParameters& parameters, const Solid* solid,

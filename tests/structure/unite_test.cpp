@@ -55,8 +55,8 @@ struct Cut {
 /// so pieces inside the small loop have negative volumes.
 Mesh bow_tie(double small) { return prism_over({{-1, -1}, {small, small}, {small, -small}, {-1, 1}}); }
 
-// A cube of 1 m and a grain of 8 µm that touches nothing. In the same group of parts, the grain is not counted. In a group of its
-// own, it is a part like any other.
+// A cube of 1 m and a grain of 8 µm that touches nothing. In the same group of parts, the grain is not counted. In a separate
+// group, it is a part like any other.
 TEST(UniteBySize, DustTakesNoFragmentFromItsGroupOfParts) {
   const double side = 8e-6;
   const Cut cut(joined({box({0, 0, 0}, {1, 1, 1}), box({1.5, 0, 0}, {1.5 + side, side, side})}), {}, 12);

@@ -254,7 +254,7 @@ TEST(Effects, AValueWithoutEffectIsNamedInTheReport) {
     EXPECT_TRUE(std::any_of(contents.warnings.begin(), contents.warnings.end(), [&](const std::string& w) {
       return w.find(std::string("'") + c.parameter + "'") != std::string::npos;
     })) << json(contents.warnings);
-    // The report depends on the parameter, so the answer has its own address.
+    // The report depends on the parameter, so the answer has an address of its own.
     if (std::string_view(c.parameter) == "points") continue;
     const auto plain = answers.ask(mesh, request_of(c, false));
     ASSERT_TRUE(plain) << plain.error().detail;

@@ -103,7 +103,7 @@ Mesh slab_with_rods() {
   return joined(parts);
 }
 
-// The cells of a hit cut each part separately. Until algorithm 27, the estimate was a third to a half of the new pieces.
+// The cells of a hit cut each part by itself. Until algorithm 27, the estimate was a third to a half of the new pieces.
 TEST(EstimateOfHits, CountsThePiecesOfSmallParts) {
   struct PartsCase {
     const char* name;
