@@ -161,7 +161,9 @@ TEST(Proxies, TheListOfDroppedThingsNamesThemAndWarningsTheCollisionGeometry) {
   for (const Dropped& entry : mesh.dropped) dropped.push_back(entry.name);
   EXPECT_THAT(dropped, testing::UnorderedElementsAre("Crate_LOD1", "UCX_Crate_00", "Ramp-colonly"));
   for (const Dropped& entry : mesh.dropped)
-    if (entry.what == "level of detail") EXPECT_THAT(entry.reason, HasSubstr("proxies=geometry"));
+    if (entry.what == "level of detail") {
+      EXPECT_THAT(entry.reason, HasSubstr("proxies=geometry"));
+    }
 }
 
 TEST(Proxies, TakingThemIsInterruptedByCancellation) {
