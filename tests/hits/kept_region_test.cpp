@@ -16,7 +16,7 @@ namespace {
 constexpr double kRounding = 1e-6;
 const Vec3d kTop{0, 1, 0};
 
-Mesh unit_cube() { return box({-0.5, 0, -0.5}, {0.5, 1, 0.5}, 4); }
+Mesh kept_cube() { return box({-0.5, 0, -0.5}, {0.5, 1, 0.5}, 4); }
 
 /// All of the unit cube below `height`.
 Region below(double height) { return {.shape = Region::Shape::kBox, .box = {{-1, -1, -1}, {1, height, 1}}}; }
@@ -74,7 +74,7 @@ void expect_sound(const Fractured& made, const Mesh& mesh) {
 
 // Until algorithm 27, each cell that met the region belonged to it: 8 pieces of 30 sites came off above a box, and in wood none.
 TEST(HitsAtAKeptRegion, BreakWhatIsOutside) {
-  const Mesh mesh = with_traced_triangles(unit_cube());
+  const Mesh mesh = with_traced_triangles(kept_cube());
   for (const Region& region : {below(0.9), ball()}) {
     const FractureParameters p = hit_near(region, LocalRest::kWhole);
     const Fractured made = fracture_mesh(mesh, p);
@@ -92,7 +92,7 @@ TEST(HitsAtAKeptRegion, BreakWhatIsOutside) {
 }
 
 TEST(HitsAtAKeptRegion, BreakEveryMaterialUpToIt) {
-  const Mesh mesh = with_traced_triangles(unit_cube());
+  const Mesh mesh = with_traced_triangles(kept_cube());
   const Region region = below(0.96);
   for (const char* material : {"stone", "wood", "glass", "concrete"}) {
     SCOPED_TRACE(material);
@@ -106,7 +106,7 @@ TEST(HitsAtAKeptRegion, BreakEveryMaterialUpToIt) {
 }
 
 TEST(HitsAtAKeptRegion, LeaveItsFragmentAsItIs) {
-  const Mesh mesh = with_traced_triangles(unit_cube());
+  const Mesh mesh = with_traced_triangles(kept_cube());
   const Region region = below(0.9);
   FractureParameters p = hit_near(region, LocalRest::kFractured);
   FractureParameters without = p;
@@ -127,21 +127,21 @@ TEST(HitsAtAKeptRegion, LeaveItsFragmentAsItIs) {
 
 TEST(HitsAtAKeptRegion, SayThatAllIsKept) {
   FractureParameters p = hit_near(below(2), LocalRest::kWhole);
-  const Fractured made = fracture_mesh(unit_cube(), p);
+  const Fractured made = fracture_mesh(kept_cube(), p);
   EXPECT_EQ(made.set.fragments.size(), 1u);
   EXPECT_TRUE(warns(made.report, "all that it reaches is in the region to keep"));
 }
 
 TEST(HitsAtAKeptRegion, DoNotMentionARegionOutOfReach) {
   const FractureParameters p = hit_near(below(0.5), LocalRest::kWhole);
-  const Fractured made = fracture_mesh(unit_cube(), p);
+  const Fractured made = fracture_mesh(kept_cube(), p);
   EXPECT_GT(made.set.fragments.size(), 16u);
   EXPECT_FALSE(has_note(made.report, "region to keep"));
 }
 
 // LocalRest::kWhole has one point in the middle of the box, which may be empty. It is not one of the request.
 TEST(HitsAtAKeptRegion, HollowSolidsGetNoWarningAboutPoints) {
-  const Mesh hollow = joined({unit_cube(), reversed(box({-0.4, 0.1, -0.4}, {0.4, 0.9, 0.4}, 4))});
+  const Mesh hollow = joined({kept_cube(), reversed(box({-0.4, 0.1, -0.4}, {0.4, 0.9, 0.4}, 4))});
   FractureParameters p = hit_near(ball(), LocalRest::kWhole);
   p.keep.reset();
   EXPECT_FALSE(warns(fracture_mesh(hollow, p).report, "'points'"));
