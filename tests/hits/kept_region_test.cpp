@@ -3,9 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <memory>
 #include <string>
 
 #include "common/materials/materials.hpp"
+#include "common/pipeline/local_impact.hpp"
 #include "tests/property/judge.hpp"
 #include "tests/support/fractured.hpp"
 #include "tests/support/shapes.hpp"
@@ -103,6 +105,36 @@ TEST(HitsAtAKeptRegion, BreakEveryMaterialUpToIt) {
     EXPECT_GE(made.set.fragments.size(), 3u);
     EXPECT_LE(deepest_of_others(made.set, region), kRounding);
   }
+}
+
+// Sites in the region are replaced by others around it, but a hit never has more sites than it asks for.
+TEST(HitsAtAKeptRegion, HaveAtMostTheirSites) {
+  const Expected<Solid> solid = make_solid(std::make_shared<Mesh>(kept_cube()), {}, {});
+  ASSERT_TRUE(solid);
+  for (const Region& region : {below(0.8), below(0.9), ball()}) {
+    FractureParameters p = hit_near(region, LocalRest::kWhole);
+    p.hits.resize(8, p.hits[0]);
+    for (std::size_t k = 0; k < p.hits.size(); ++k) {
+      Remarks remarks;
+      const Expected<HitCells> cells = cells_of_hit(*solid, p, p.hits, k, p.keep, remarks, {});
+      ASSERT_TRUE(cells);
+      EXPECT_LE(cells->sites, p.hits[k].sites) << k;
+      EXPECT_GE(cells->sites, 16u) << k;
+    }
+  }
+}
+
+// Each of the 200 sites has a companion in the rest, which does not get a hull for each of them.
+TEST(HitsAtAKeptRegion, GiveTheRestFewHulls) {
+  FractureParameters p = hit_near(below(0.9), LocalRest::kWhole);
+  p.hulls = Hulls::kConvex;
+  p.hits[0].sites = 200;
+  const Fractured made = fracture_mesh(kept_cube(), p);
+  const Fragment& rest = largest(made.set);
+  const auto index = static_cast<std::size_t>(&rest - made.set.fragments.data());
+  const FragmentHulls& hulls = made.hulls.of_fragment.at(index);
+  EXPECT_LE(hulls.hulls.size(), guard_directions().size());
+  EXPECT_GT(hulls.volume, 0.5 * rest.mass.volume);
 }
 
 TEST(HitsAtAKeptRegion, LeaveItsFragmentAsItIs) {
