@@ -1,6 +1,6 @@
 #include "common/gltf/exterior_material.hpp"
 
-#include <algorithm>
+#include <set>
 #include <string>
 #include <utility>
 
@@ -39,16 +39,23 @@ void finish(json& material, const ExteriorLook& look) {
 }
 
 /// "Exterior", with a number if a material of the source has that name, as in an answer that is fractured again.
-std::string free_name(const json& materials) {
+std::string free_name(const json& materials, Pacer& pacer) {
+  std::set<std::string> taken;
+  for (const json& material : materials) {
+    pacer.step(16);
+    if (const auto name = material.find("name"); name != material.end() && name->is_string())
+      taken.insert(name->get<std::string>());
+  }
   std::string name = "Exterior";
-  const auto is_taken = [&](const json& material) { return material.value("name", json()) == name; };
-  for (int number = 2; std::any_of(materials.begin(), materials.end(), is_taken); ++number)
+  for (int number = 2; taken.contains(name); ++number) {
+    pacer.step(16);
     name = "Exterior_" + std::to_string(number);
+  }
   return name;
 }
 
-json bare(const ExteriorLook& look, const Mesh& source) {
-  json material = {{"name", free_name(source.library->materials)}};
+json bare(const ExteriorLook& look, const Mesh& source, Pacer& pacer) {
+  json material = {{"name", free_name(source.library->materials, pacer)}};
   const bool colored = !source.attributes.colors.empty();
   set_base_color(material, colored ? Vec3d{1, 1, 1} : look.color.value_or(Vec3d{1, 1, 1}));
   finish(material, look);
@@ -83,7 +90,7 @@ ExteriorMaterials exterior_materials(const ExteriorLook& look, const Mesh& sourc
     finish(material, look);
     add(k, std::move(material));
   }
-  if (used.back()) add(own.size(), bare(look, source));
+  if (used.back()) add(own.size(), bare(look, source, pacer));
   return made;
 }
 

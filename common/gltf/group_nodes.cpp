@@ -7,6 +7,7 @@
 #include "common/base/pacer.hpp"
 #include "common/gltf/names.hpp"
 #include "common/gltf/unique_names.hpp"
+#include "common/mesh/copied_limits.hpp"
 #include "common/solid/solid.hpp"
 
 namespace fracture {
@@ -96,7 +97,8 @@ SourceOfFragments::SourceOfFragments(const FragmentSet& set, const Execution& ex
 
 void SourceOfFragments::write(JsonText& json, std::uint32_t node) const {
   if (node == kNoIndex) return;
-  json.key("source").begin_object().member("index", node).member("name", nodes_.name(node)).end_object();
+  json.key("source").begin_object().member("index", node);
+  json.member("name", node_name_within_limit(nodes_.name(node))).end_object();
 }
 
 void GroupNodes::place(std::uint32_t source, std::size_t node, std::vector<std::vector<std::size_t>>& held) {

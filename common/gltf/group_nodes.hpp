@@ -1,6 +1,7 @@
 // The hierarchy of the source as nodes: a group node for each node of the source that holds something. It is without a mesh and a
 // transform. Its children are the pieces of the source's node, what of it stays whole, and the groups of the nodes below it. A
-// fragment of several nodes is below their nearest common ancestor. Group nodes are the last nodes of the file.
+// fragment of several nodes is below their nearest common ancestor. Group nodes are the last nodes of the file. An answer
+// to `fragment=` has no groups if the nodes of its source have no others above them, because all its surface is of one node.
 #pragma once
 
 #include <cstddef>

@@ -101,21 +101,18 @@ std::set<std::string> names_read(const json& attributes) {
   return names;
 }
 
-bool uses_normal_map(const json& document, const json& holder) {
-  const json& materials = list_in(document, "materials");
-  const auto index = index_in(holder, "material");
-  return index && *index < materials.size() && has_normal_map(materials[*index], [] {});
-}
-
-/// Whether fragments need the primitive's tangents, because its material or that of a variant has a normal map.
-bool needs_tangents(const json& document, const json& primitive) {
+/// Whether fragments need the primitive's tangents, because its material or that of a variant has a normal map. `normal_mapped`: per
+/// material.
+bool needs_tangents(const std::vector<bool>& normal_mapped, const json& primitive) {
+  const auto is_mapped = [&](const json& holder) {
+    const auto index = index_in(holder, "material");
+    return index && *index < normal_mapped.size() && normal_mapped[*index];
+  };
   const json& mappings = list_in(extension_in(primitive, "KHR_materials_variants"), "mappings");
-  return uses_normal_map(document, primitive) ||
-         std::any_of(mappings.begin(), mappings.end(),
-                     [&](const json& mapping) { return uses_normal_map(document, mapping); });
+  return is_mapped(primitive) || std::any_of(mappings.begin(), mappings.end(), is_mapped);
 }
 
-void add_primitive(const json& document, const json& primitive, const std::string& mesh,
+void add_primitive(const std::vector<bool>& normal_mapped, const json& primitive, const std::string& mesh,
                    std::vector<Dropped>& dropped) {
   add_extras(primitive, "a primitive of " + mesh, dropped);
   const std::uint64_t mode = index_in(primitive, "mode").value_or(4);
@@ -132,7 +129,7 @@ void add_primitive(const json& document, const json& primitive, const std::strin
     if (!read.contains(name))
       dropped.push_back({"attribute", name + " of " + mesh,
                          "fragments have only positions, normals, tangents, UVs and colours"});
-  if (attributes->contains("TANGENT") && !needs_tangents(document, primitive))
+  if (attributes->contains("TANGENT") && !needs_tangents(normal_mapped, primitive))
     dropped.push_back({"attribute", "TANGENT of " + mesh,
                        "only surfaces with a normal map need tangents, and this one has none"});
   if (!list_in(primitive, "targets").empty())
@@ -206,12 +203,15 @@ std::vector<Dropped> dropped_from(const json& document) {
   add_all(list_in(document, "skins"), "skins", "skin", "its pose is applied; fragments have no bones",
           dropped);
   add_scenes(document, dropped);
+  std::vector<bool> normal_mapped;
+  for (const json& material : list_in(document, "materials"))
+    normal_mapped.push_back(has_normal_map(material, [] {}));
   const json& meshes = list_in(document, "meshes");
   for (std::size_t k = 0; k < meshes.size(); ++k) {
     const std::string mesh = name_or(meshes[k], pointer_to("meshes", k));
     add_extras(meshes[k], mesh, dropped);
     for (const json& primitive : list_in(meshes[k], "primitives"))
-      add_primitive(document, primitive, mesh, dropped);
+      add_primitive(normal_mapped, primitive, mesh, dropped);
   }
   add_extras(document, "/extras", dropped);
   if (const auto asset = document.find("asset"); asset != document.end())

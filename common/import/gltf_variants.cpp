@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "common/base/json_reader.hpp"
+#include "common/mesh/copied_limits.hpp"
 
 namespace fracture {
 namespace {
@@ -61,10 +62,13 @@ class VariantReader {
     taken_.resize(count_);
     mappings_.assign(count_, json::object());
     bytes_ = json_bytes(variants_);
+    for (const json* list : {&library.materials, &library.textures, &library.samplers})
+      bytes_ += json_bytes(*list);
   }
 
   /// Returns false if the variants take too much memory; the library is then unchanged.
   bool read() {
+    if (bytes_ > kMaxLibraryBytes) return false;
     if (const auto meshes = document_.find("meshes"); meshes != document_.end() && meshes->is_array())
       for (json& mesh : *meshes) {
         const auto primitives = mesh.is_object() ? mesh.find("primitives") : mesh.end();
@@ -87,25 +91,27 @@ class VariantReader {
   bool add(const json& mesh, json& primitive) {
     if (!primitive.is_object()) return true;
     const std::optional<std::size_t> material = index_in(primitive, "material", count_);
+    if (!material) {
+      const json* const mappings = list_of(primitive, "mappings");
+      if (mappings != nullptr && !mappings->empty()) drop(mesh, "its primitive has no material");
+      return true;
+    }
     json extension = extension_of(mesh, primitive);
-    if (!material && extension.empty()) return true;
     any_ = any_ || !extension.empty();
-    const std::size_t none = count_;
-    const auto [at, is_new] = known_.try_emplace({material.value_or(none), extension.dump()}, 0);
-    if (is_new && material && !taken_[*material]) {
+    const auto [at, is_new] = known_.try_emplace({*material, extension.dump()}, 0);
+    if (is_new && !taken_[*material]) {
       taken_[*material] = true;
       at->second = *material;
       bytes_ += json_bytes(extension);
       mappings_[*material] = std::move(extension);
     } else if (is_new) {
       at->second = mappings_.size();
-      // An empty object is the default material, which primitives without a material have.
-      json copy = material ? library_.materials[*material] : json::object();
+      json copy = library_.materials[*material];
       bytes_ += json_bytes(extension) + json_bytes(copy);
       mappings_.push_back(std::move(extension));
       further_.push_back(std::move(copy));
     }
-    if (at->second != material.value_or(none)) moved_.emplace_back(&primitive, at->second);
+    if (at->second != *material) moved_.emplace_back(&primitive, at->second);
     return bytes_ <= kMaxLibraryBytes;
   }
 
@@ -118,12 +124,19 @@ class VariantReader {
           kept.push_back(without_extensions(mapping));
           continue;
         }
-        const json* const name = member(mesh, "name", json::value_t::string);
-        dropped_.push_back({"material variant",
-                            "a primitive of " + (name != nullptr ? name->get<std::string>() : "a mesh"),
-                            "its mapping names a material or a variant that does not exist"});
+        drop(mesh, "its mapping names a material or a variant that does not exist");
       }
+    if (kept.dump().size() > kMostMappings) {
+      drop(mesh, "its mappings are too long to be copied to each fragment");
+      return json::object();
+    }
     return kept.empty() ? json::object() : json{{"mappings", std::move(kept)}};
+  }
+
+  void drop(const json& mesh, const char* reason) {
+    const json* const name = member(mesh, "name", json::value_t::string);
+    dropped_.push_back({"material variant",
+                        "a primitive of " + (name != nullptr ? name->get<std::string>() : "a mesh"), reason});
   }
 
   json& document_;
@@ -154,7 +167,7 @@ void read_variants(json& document, MaterialLibrary& library, std::vector<Dropped
     for (const json& variant : variants) {
       const json* const name = member(variant, "name", json::value_t::string);
       dropped.push_back({"material variant", name != nullptr ? name->get<std::string>() : "",
-                         "the variants take more than 32 MiB of memory"});
+                         "the materials and their variants take more than 32 MiB of memory"});
     }
     return;
   }

@@ -10,6 +10,7 @@
 #include "common/base/printable.hpp"
 #include "common/base/words.hpp"
 #include "common/import/limit_words.hpp"
+#include "common/mesh/copied_limits.hpp"
 #include "common/mesh/material_library.hpp"
 
 namespace fracture {
@@ -58,6 +59,7 @@ std::uint32_t MeshBuilder::add_group(std::string name, std::uint32_t parent) {
 std::uint32_t MeshBuilder::add_source_node(std::string name, std::uint32_t parent, std::string extras) {
   const std::uint32_t level = parent == kNoIndex ? 1 : level_[parent] + 1;
   if (name.empty() || level > kMostSourceLevels) return parent;
+  name = node_name_within_limit(std::move(name));
   bytes_ += name.size() + extras.size();  // add() checks the sum
   tree_.nodes.push_back({std::move(name), parent, std::move(extras)});
   level_.push_back(level);

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "common/mesh/copied_limits.hpp"
+
 namespace fracture {
 namespace {
 
@@ -22,6 +24,7 @@ std::vector<std::size_t> looks_of(const MaterialLibrary& library, std::size_t ma
   return looks;
 }
 
+// Each primitive of a fragment has a copy of its mappings, so long ones do not fit either.
 bool has_sound_variants(const MaterialLibrary& library) {
   const std::size_t materials = library.materials.size(), variants = library.variants.size();
   if (!library.variant_mappings.empty() && library.variant_mappings.size() != materials) return false;
@@ -29,7 +32,7 @@ bool has_sound_variants(const MaterialLibrary& library) {
       library.variant_mappings.begin(), library.variant_mappings.end(), [&](const json& extension) {
         const auto mappings = extension.find("mappings");
         if (mappings == extension.end()) return extension.empty();
-        return mappings->is_array() &&
+        return mappings->is_array() && mappings->dump().size() <= kMostMappings &&
                std::all_of(mappings->begin(), mappings->end(), [&](const json& mapping) {
                  const auto material = mapping.find("material"), shown = mapping.find("variants");
                  return mapping.is_object() && material != mapping.end() && is_index(*material, materials) &&

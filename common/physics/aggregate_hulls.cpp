@@ -372,7 +372,7 @@ bool is_in_several_frames(const Fragment& f, const VoronoiDiagram& diagram) {
 
 CollisionHulls make_aggregate_hulls(const FragmentSet& set, const VoronoiDiagram& diagram,
                                     const HullLimits& limits, std::uint32_t cells, bool has_rest,
-                                    const Execution& execution) {
+                                    const Execution& execution, std::size_t most_of_rest) {
   CollisionHulls out;
   out.of_fragment.resize(set.fragments.size());
   parallel_for(execution, set.fragments.size(), 4, [&](std::size_t begin, std::size_t end) {
@@ -382,7 +382,10 @@ CollisionHulls make_aggregate_hulls(const FragmentSet& set, const VoronoiDiagram
       const bool has_many = f.bodies.size() > limits.count;
       if (f.bodies.size() < 2 || is_in_several_frames(f, diagram)) continue;
       if (has_rest && has_many && f.bodies.size() > kManyCells * cells) {
-        if (cells > 1) hulls.make_of_rest(f, cells, out.of_fragment[k]);
+        if (cells > 1)
+          hulls.make_of_rest(f, cells, out.of_fragment[k]);
+        else if (f.bodies.size() > most_of_rest)
+          hulls.make(f, most_of_rest, out.of_fragment[k]);
         continue;
       }
       if (has_many) hulls.make(f, limits.count, out.of_fragment[k]);

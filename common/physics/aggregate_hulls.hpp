@@ -14,6 +14,7 @@
 // The result depends only on F's cells and their neighbours, so a hit elsewhere does not change it.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 #include "common/base/execution.hpp"
@@ -26,9 +27,10 @@ namespace fracture {
 /// Makes at most `limits.count` hulls for each fragment with more bodies than that, or with several bodies whose own hulls
 /// close an opening. make_collision_hulls() makes those of the other fragments, of which some may have one per body here already.
 /// `has_rest`: a fragment with very many cells is a rest that stays whole. It gets one hull for every `cells` cells, or none
-/// here if `cells` is 1. `diagram`: the cells that were cut. Throws Interrupted.
+/// here if `cells` is 1, unless it has more than `most_of_rest` bodies; then it gets at most that number
+/// of hulls here. `diagram`: the cells that were cut. Throws Interrupted.
 CollisionHulls make_aggregate_hulls(const FragmentSet& set, const VoronoiDiagram& diagram,
                                     const HullLimits& limits, std::uint32_t cells, bool has_rest,
-                                    const Execution& execution);
+                                    const Execution& execution, std::size_t most_of_rest = SIZE_MAX);
 
 }  // namespace fracture

@@ -19,6 +19,7 @@
 #include "common/fragment/unite.hpp"
 #include "common/physics/aggregate_hulls.hpp"
 #include "common/physics/hull_trim.hpp"
+#include "common/pipeline/local_impact.hpp"
 #include "common/pipeline/part_contacts.hpp"
 #include "common/pipeline/rough_cells.hpp"
 #include "common/pipeline/soundness.hpp"
@@ -207,11 +208,13 @@ Expected<std::optional<PiecesOfFragment>> cut_again(const HitOnFragments& hit, c
     FragmentSet& set = cut.set;
     for (std::size_t k = 0; k < out.pieces.size(); ++k) set.fragments[k] = std::move(out.pieces[k].fragment);
     const HullLimits& limits = hit.parameters.hull_limits;
+    // Next to a region to keep, each site of the hit has a companion, which is a further cell of the rest.
+    const std::size_t most_of_rest = hit.parameters.keep ? guard_directions().size() : SIZE_MAX;
     CollisionHulls hulls = make_collision_hulls(
         set,
         // The rest of a whole part has a hull for each guard's cell, which follow its shape.
         make_aggregate_hulls(set, hit.diagram, limits, /*cells=*/1, hit.parameters.rest == LocalRest::kWhole,
-                             execution),
+                             execution, most_of_rest),
         limits, execution);
     for (std::size_t k = 0; k < out.pieces.size(); ++k) {
       out.pieces[k].fragment = std::move(set.fragments[k]);

@@ -144,6 +144,14 @@ std::size_t share_up(std::uint32_t count, std::size_t whole, std::size_t part) {
   return (count * whole + part - 1) / part;
 }
 
+/// Keeps at most `most` points. They are in the order of a curve through the solid, so evenly spaced ones fill the same space.
+void thin_out(std::vector<Vec3d>& points, std::size_t most) {
+  const std::size_t count = points.size();
+  if (count <= most) return;
+  for (std::size_t k = 0; k < most; ++k) points[k] = points[k * count / most];
+  points.resize(most);
+}
+
 /// The sites of one hit.
 class SitesOfHit {
  public:
@@ -172,6 +180,7 @@ class SitesOfHit {
     asked = asked_before_;
     if (!drawn) return tl::unexpected(std::move(drawn.error()));
     region_->leave_out_inside(*drawn);
+    thin_out(*drawn, near_the_point);
     if (drawn->size() > points.size()) points = std::move(*drawn);
     return {};
   }

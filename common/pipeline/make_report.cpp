@@ -252,8 +252,12 @@ Report make_report(const Solid& solid, const SiteNotes& sites, const FracturePar
   Report report;
   report_sites(solid, sites, set, report);
   const CutCells::Whole whole = cut.whole ? *cut.whole : sizes_of(set, execution);
-  report_size(parameters, may_keep_instances(solid, parameters), sites.split, whole, cut.kept_share, set, report);
-  if (solid.source) add_unnamed_nodes(*solid.source, whole.nodes, set, report.dropped, execution);
+  report_size(parameters, may_keep_instances(solid, parameters), sites.split, whole, cut.kept_share, set,
+              report);
+  if (solid.source) {
+    add_unnamed_nodes(*solid.source, whole.nodes, set, report.dropped, execution);
+    if (!parameters.levels.empty()) add_nodes_without_group(*solid.source, report.dropped, execution);
+  }
   report_kept(parameters, cut, report);
   report_structure(anchored, report);
   if (parameters.roughness.amplitude > 0) report_roughness(parameters, cut, report);

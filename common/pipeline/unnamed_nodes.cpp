@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "common/base/pacer.hpp"
+#include "common/mesh/source_tree.hpp"
 #include "common/solid/solid.hpp"
 
 namespace fracture {
@@ -39,9 +40,36 @@ void add_unnamed_nodes(const Mesh& source, const std::vector<std::uint32_t>& nod
     const std::string& name = source.node_names[k];
     if (!names.contains(name))
       dropped.push_back(
-          {"node", name, "its surface is in fragments that are named after other nodes, or was left out"});
+          {"node", name,
+           "no fragment is named after it: its surface is in fragments of other nodes, or was left out"});
     if (k < source.node_extras.size() && !source.node_extras[k].empty())
       dropped.push_back({"extras", name, "no fragment is named after their node"});
+  }
+  shorten_dropped(dropped);
+}
+
+void add_nodes_without_group(const Mesh& source, std::vector<Dropped>& dropped, const Execution& execution) {
+  if (!source.source_tree) return;
+  Pacer pacer(execution);
+  const SourceTree& tree = *source.source_tree;
+  std::vector<bool> has_mesh(tree.nodes.size()), is_above(tree.nodes.size());
+  pacer.each(0, tree.of_instance.size(), [&](std::size_t k) { has_mesh[tree.of_instance[k]] = true; });
+  const SourceNodes nodes(source);
+  for (const Mesh* mesh : {&source, source.passed_through.get()}) {
+    if (mesh == nullptr) continue;
+    pacer.each(0, mesh->node.size(), [&](std::size_t t) {
+      const std::uint32_t own = nodes.of_instance(mesh->node[t]);
+      if (own == kNoIndex) return;
+      for (std::uint32_t n = tree.nodes[own].parent; n != kNoIndex && !is_above[n]; n = tree.nodes[n].parent)
+        is_above[n] = true;
+    });
+  }
+  for (std::size_t k = 0; k < tree.nodes.size(); ++k) {
+    pacer.step(8);
+    if (has_mesh[k] || !is_above[k]) continue;
+    const SourceNode& node = tree.nodes[k];
+    dropped.push_back({"node", node.name, "answers with levels have no groups"});
+    if (!node.extras.empty()) dropped.push_back({"extras", node.name, "answers with levels have no groups"});
   }
   shorten_dropped(dropped);
 }

@@ -10,6 +10,7 @@
 #include "common/base/json_reader.hpp"
 #include "common/base/utf8.hpp"
 #include "common/import/text_encoding.hpp"
+#include "common/mesh/copied_limits.hpp"
 #include "common/mesh/material_library.hpp"
 #include "common/mesh/source_tree.hpp"
 #include "server/import_worker/byte_stream.hpp"
@@ -181,6 +182,7 @@ SourceTree read_source_tree(ByteReader& in, const ImportLimits& limits) {
     node.extras = in.text();
     require(!node.name.empty() && is_utf8(node.name) && is_utf8(node.extras),
             "a text is not UTF-8, or empty");
+    require(node.name.size() <= kMostNodeName, "the name of a node of the source is too long");
     check_extras(node.extras, limits);
     require(node.parent < level.size() || node.parent == kNoIndex, "a node of the source is not in a tree");
     level.push_back(node.parent == kNoIndex ? 1 : level[node.parent] + 1);
@@ -189,6 +191,8 @@ SourceTree read_source_tree(ByteReader& in, const ImportLimits& limits) {
   tree.of_instance = in.array<std::uint32_t>();
   for (const std::uint32_t node : tree.of_instance)
     require(node < tree.nodes.size(), "an instance is not a node of the source");
+  require(std::is_sorted(tree.of_instance.begin(), tree.of_instance.end()),
+          "the instances are not in the order of the nodes of the source");
   return tree;
 }
 

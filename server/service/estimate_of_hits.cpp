@@ -175,7 +175,9 @@ HitNumbers expected_of_hits(const FractureParameters& parameters, const Solid& s
     (rough_caps > 0 ? all.rough_triangles : all.cut_triangles) += cuts;
     all.hulls += more * (cells > 1 ? 2 : 1) + met * fragments;
     all.kept_bytes += bytes(Product::kFragmentTriangles, surface + cuts);
-    const double site_cells = cells * hit.sites + static_cast<double>(guard_directions().size());
+    const double with_companion = parameters.keep ? 2 : 1;  // next to a region to keep, each site has one
+    const double site_cells =
+        with_companion * cells * hit.sites + static_cast<double>(guard_directions().size());
     const double step =
         bytes(Product::kTetrahedra, kTetrahedraPerSite * site_cells) +
         bytes(Product::kPolygons, 2 * crossings + kCellsOnSection * widths) +

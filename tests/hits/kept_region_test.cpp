@@ -3,9 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <memory>
 #include <string>
 
 #include "common/materials/materials.hpp"
+#include "common/pipeline/local_impact.hpp"
 #include "tests/property/judge.hpp"
 #include "tests/support/fractured.hpp"
 #include "tests/support/shapes.hpp"
@@ -16,7 +18,7 @@ namespace {
 constexpr double kRounding = 1e-6;
 const Vec3d kTop{0, 1, 0};
 
-Mesh unit_cube() { return box({-0.5, 0, -0.5}, {0.5, 1, 0.5}, 4); }
+Mesh kept_cube() { return box({-0.5, 0, -0.5}, {0.5, 1, 0.5}, 4); }
 
 /// All of the unit cube below `height`.
 Region below(double height) { return {.shape = Region::Shape::kBox, .box = {{-1, -1, -1}, {1, height, 1}}}; }
@@ -74,7 +76,7 @@ void expect_sound(const Fractured& made, const Mesh& mesh) {
 
 // Until algorithm 27, each cell that met the region belonged to it: 8 pieces of 30 sites came off above a box, and in wood none.
 TEST(HitsAtAKeptRegion, BreakWhatIsOutside) {
-  const Mesh mesh = with_traced_triangles(unit_cube());
+  const Mesh mesh = with_traced_triangles(kept_cube());
   for (const Region& region : {below(0.9), ball()}) {
     const FractureParameters p = hit_near(region, LocalRest::kWhole);
     const Fractured made = fracture_mesh(mesh, p);
@@ -92,7 +94,7 @@ TEST(HitsAtAKeptRegion, BreakWhatIsOutside) {
 }
 
 TEST(HitsAtAKeptRegion, BreakEveryMaterialUpToIt) {
-  const Mesh mesh = with_traced_triangles(unit_cube());
+  const Mesh mesh = with_traced_triangles(kept_cube());
   const Region region = below(0.96);
   for (const char* material : {"stone", "wood", "glass", "concrete"}) {
     SCOPED_TRACE(material);
@@ -105,8 +107,38 @@ TEST(HitsAtAKeptRegion, BreakEveryMaterialUpToIt) {
   }
 }
 
+// Sites in the region are replaced by others around it, but a hit never has more sites than it asks for.
+TEST(HitsAtAKeptRegion, HaveAtMostTheirSites) {
+  const Expected<Solid> solid = make_solid(std::make_shared<Mesh>(kept_cube()), {}, {});
+  ASSERT_TRUE(solid);
+  for (const Region& region : {below(0.8), below(0.9), ball()}) {
+    FractureParameters p = hit_near(region, LocalRest::kWhole);
+    p.hits.resize(8, p.hits[0]);
+    for (std::size_t k = 0; k < p.hits.size(); ++k) {
+      Remarks remarks;
+      const Expected<HitCells> cells = cells_of_hit(*solid, p, p.hits, k, p.keep, remarks, {});
+      ASSERT_TRUE(cells);
+      EXPECT_LE(cells->sites, p.hits[k].sites) << k;
+      EXPECT_GE(cells->sites, 16u) << k;
+    }
+  }
+}
+
+// Each of the 200 sites has a companion in the rest, which does not get a hull for each of them.
+TEST(HitsAtAKeptRegion, GiveTheRestFewHulls) {
+  FractureParameters p = hit_near(below(0.9), LocalRest::kWhole);
+  p.hulls = Hulls::kConvex;
+  p.hits[0].sites = 200;
+  const Fractured made = fracture_mesh(kept_cube(), p);
+  const Fragment& rest = largest(made.set);
+  const auto index = static_cast<std::size_t>(&rest - made.set.fragments.data());
+  const FragmentHulls& hulls = made.hulls.of_fragment.at(index);
+  EXPECT_LE(hulls.hulls.size(), guard_directions().size());
+  EXPECT_GT(hulls.volume, 0.5 * rest.mass.volume);
+}
+
 TEST(HitsAtAKeptRegion, LeaveItsFragmentAsItIs) {
-  const Mesh mesh = with_traced_triangles(unit_cube());
+  const Mesh mesh = with_traced_triangles(kept_cube());
   const Region region = below(0.9);
   FractureParameters p = hit_near(region, LocalRest::kFractured);
   FractureParameters without = p;
@@ -127,21 +159,21 @@ TEST(HitsAtAKeptRegion, LeaveItsFragmentAsItIs) {
 
 TEST(HitsAtAKeptRegion, SayThatAllIsKept) {
   FractureParameters p = hit_near(below(2), LocalRest::kWhole);
-  const Fractured made = fracture_mesh(unit_cube(), p);
+  const Fractured made = fracture_mesh(kept_cube(), p);
   EXPECT_EQ(made.set.fragments.size(), 1u);
   EXPECT_TRUE(warns(made.report, "all that it reaches is in the region to keep"));
 }
 
 TEST(HitsAtAKeptRegion, DoNotMentionARegionOutOfReach) {
   const FractureParameters p = hit_near(below(0.5), LocalRest::kWhole);
-  const Fractured made = fracture_mesh(unit_cube(), p);
+  const Fractured made = fracture_mesh(kept_cube(), p);
   EXPECT_GT(made.set.fragments.size(), 16u);
   EXPECT_FALSE(has_note(made.report, "region to keep"));
 }
 
 // LocalRest::kWhole has one point in the middle of the box, which may be empty. It is not one of the request.
 TEST(HitsAtAKeptRegion, HollowSolidsGetNoWarningAboutPoints) {
-  const Mesh hollow = joined({unit_cube(), reversed(box({-0.4, 0.1, -0.4}, {0.4, 0.9, 0.4}, 4))});
+  const Mesh hollow = joined({kept_cube(), reversed(box({-0.4, 0.1, -0.4}, {0.4, 0.9, 0.4}, 4))});
   FractureParameters p = hit_near(ball(), LocalRest::kWhole);
   p.keep.reset();
   EXPECT_FALSE(warns(fracture_mesh(hollow, p).report, "'points'"));

@@ -61,27 +61,69 @@ TEST(GltfVariants, AreKeptWithTheMappingsOfTheirPrimitive) {
 TEST(GltfVariants, PrimitivesWithOneMaterialAndDifferentMappingsHaveDifferentMaterials) {
   Varied file;
   json& primitives = file.json["meshes"][0]["primitives"];
-  for (int k = 0; k < 4; ++k) primitives.push_back(primitives[0]);
-  primitives[4].erase("material");
+  for (int k = 0; k < 3; ++k) primitives.push_back(primitives[0]);
   file.map(1, json::array({mapping(1, {0, 1})}));
   file.map(2, json::array({mapping(2, {1})}));
   file.map(3, json::array({mapping(1, {0, 1})}));
-  file.map(4, json::array({mapping(2, {0})}));
   const Mesh mesh = file.read();
-  ASSERT_EQ(mesh.triangles.size(), 20u);
+  ASSERT_EQ(mesh.triangles.size(), 16u);
   std::vector<std::uint32_t> of_primitives;  // the tetrahedron has four triangles
-  for (std::size_t t = 0; t < 20; t += 4) of_primitives.push_back(mesh.material[t]);
-  EXPECT_THAT(of_primitives, ElementsAre(0u, 3u, 4u, 3u, 5u));
+  for (std::size_t t = 0; t < 16; t += 4) of_primitives.push_back(mesh.material[t]);
+  EXPECT_THAT(of_primitives, ElementsAre(0u, 3u, 4u, 3u));
   const MaterialLibrary& library = *mesh.library;
-  ASSERT_EQ(library.materials.size(), 6u);
+  ASSERT_EQ(library.materials.size(), 5u);
   EXPECT_EQ(library.materials[3]["name"], "Paint");
   EXPECT_EQ(library.materials[4]["name"], "Paint");
-  EXPECT_EQ(library.materials[5], json::object()) << "the default material of glTF";
-  ASSERT_EQ(library.variant_mappings.size(), 6u);
+  ASSERT_EQ(library.variant_mappings.size(), 5u);
   EXPECT_EQ(library.variant_mappings[0], json::object());
   EXPECT_EQ(library.variant_mappings[3]["mappings"], json::array({mapping(1, {0, 1})}));
   EXPECT_EQ(library.variant_mappings[4]["mappings"], json::array({mapping(2, {1})}));
-  EXPECT_EQ(library.variant_mappings[5]["mappings"], json::array({mapping(2, {0})}));
+}
+
+TEST(GltfVariants, APrimitiveWithoutAMaterialHasNone) {
+  Varied file;
+  file.primitive().erase("material");
+  file.map(0, json::array({mapping(2, {0})}));
+  const Mesh mesh = file.read();
+  EXPECT_EQ(mesh.material[0], kNoIndex);
+  EXPECT_EQ(mesh.library->materials.size(), 3u);
+  EXPECT_THAT(mesh.library->variant_mappings, IsEmpty());
+  ASSERT_EQ(mesh.dropped.size(), 1u);
+  EXPECT_EQ(to_text(mesh.dropped[0]), "material variant a primitive of Box: its primitive has no material");
+}
+
+TEST(GltfVariants, MappingsThatWouldMakeEachFragmentLongAreListed) {
+  Varied file;
+  json long_one = mapping(1, {0});
+  long_one["name"] = std::string(4096, 'a');
+  file.map(0, json::array({long_one}));
+  const Mesh mesh = file.read();
+  EXPECT_THAT(mesh.library->variant_mappings, IsEmpty());
+  ASSERT_EQ(mesh.dropped.size(), 1u);
+  EXPECT_EQ(to_text(mesh.dropped[0]),
+            "material variant a primitive of Box: its mappings are too long to be copied to each fragment");
+}
+
+// 20 primitives have one material of 1 MB and different mappings. Each needs a copy of the material, and 19 copies need 19 MB, so
+// all of them fit into 32 MiB only if there are no further materials.
+TEST(GltfVariants, AreDroppedIfTheyDoNotFitNextToTheMaterials) {
+  for (const bool others : {false, true}) {
+    SCOPED_TRACE(others);
+    Varied file;
+    file.json["materials"][0]["extras"]["text"] = std::string(1'000'000, 'a');
+    if (others)
+      for (int k = 1; k < 3; ++k)
+        file.json["materials"][static_cast<std::size_t>(k)]["extras"]["text"] = std::string(8'000'000, 'a');
+    json& variants = file.json["extensions"]["KHR_materials_variants"]["variants"];
+    for (int k = 2; k < 20; ++k) variants.push_back({{"name", std::to_string(k)}});
+    json& primitives = file.json["meshes"][0]["primitives"];
+    for (int k = 1; k < 20; ++k) primitives.push_back(primitives[0]);
+    for (int k = 0; k < 20; ++k) file.map(static_cast<std::size_t>(k), json::array({mapping(1, {k})}));
+    const Mesh mesh = file.read();
+    EXPECT_EQ(mesh.library->materials.size(), others ? 3u : 22u);
+    EXPECT_EQ(mesh.library->variants.empty(), others);
+    EXPECT_EQ(mesh.dropped.size(), others ? 20u : 0u);
+  }
 }
 
 TEST(GltfVariants, MappingsThatNameNothingAreListed) {

@@ -7,6 +7,7 @@
 #include <memory>
 #include <string>
 
+#include "common/mesh/source_tree.hpp"
 #include "common/solid/solid.hpp"
 
 namespace fracture::test {
@@ -61,6 +62,24 @@ TEST(UnnamedNodes, ThatStayWholeHaveTheirNames) {
   sheets->triangles = {1};  // the sign
   set.whole_sheets = sheets;
   EXPECT_THAT(listed(mesh, {0}, set), IsEmpty());
+}
+
+TEST(UnnamedNodes, ThoseWithoutAMeshHaveNoGroupIfThereAreLevels) {
+  Mesh mesh = mesh_of({"Wall", "Roof"});
+  mesh.triangles.pop_back();  // the roof is not in this mesh
+  mesh.node.pop_back();
+  const auto without_group = [&] {
+    std::vector<Dropped> dropped;
+    add_nodes_without_group(mesh, dropped, kUninterrupted);
+    return dropped;
+  };
+  EXPECT_THAT(without_group(), IsEmpty());
+  mesh.source_tree = std::make_shared<const SourceTree>(SourceTree{
+      {{"Street", kNoIndex}, {"House", 0, "\"floors\":2"}, {"Wall", 1}, {"Shed", 0}, {"Roof", 3}}, {2, 4}});
+  const char* const reason = "answers with levels have no groups";
+  EXPECT_THAT(without_group(),
+              ElementsAre(Dropped{"node", "Street", reason}, Dropped{"node", "House", reason},
+                          Dropped{"extras", "House", reason}));
 }
 
 TEST(UnnamedNodes, AMeshWithoutNodesHasNone) {

@@ -105,7 +105,7 @@ class Walk:
         root = next(n for n in self.answer.json["nodes"] if n.get("extras", {}).get("fracture", {}).get("report"))
         self.report = root["extras"]["fracture"]["report"]
         self.listed = {(e["what"], e["name"]) for e in self.report.get("dropped", [])}
-        self.limited = {e["what"] for e in self.report.get("dropped", []) if e["reason"] == "the list is limited"}
+        self.limited = {e["what"] for e in self.report.get("dropped", []) if e["reason"].endswith(" not listed")}
         nodes = self.answer.json["nodes"]
         self.names = [n["name"] for n in nodes if "name" in n]
         self.extras = [n["extras"] for n in nodes if "extras" in n]

@@ -138,6 +138,12 @@ TEST(MeshCodec, EveryBrokenPromiseIsFound) {
                 m.library = std::move(library);
               }),
               HasSubstr("variants"));
+  EXPECT_THAT(broken([](Mesh& m) {
+                auto library = std::make_shared<MaterialLibrary>(*m.library);
+                library->variant_mappings[0]["mappings"][0]["name"] = std::string(4096, 'a');
+                m.library = std::move(library);
+              }),
+              HasSubstr("variants"));
   EXPECT_THAT(broken([](Mesh& m) { m.node[0] = 2; }), HasSubstr("names no node"));
   EXPECT_THAT(broken([](Mesh& m) { m.material[0] = 1; }), HasSubstr("names no material"));
   EXPECT_THAT(broken([](Mesh& m) { m.material.pop_back(); }), HasSubstr("has no material"));
@@ -178,6 +184,9 @@ TEST(MeshCodec, EveryBrokenPromiseIsFound) {
   EXPECT_THAT(broken_tree([](SourceTree& t) { t.of_instance[0] = 3; }),
               HasSubstr("not a node of the source"));
   EXPECT_THAT(broken_tree([](SourceTree& t) { t.of_instance.pop_back(); }), HasSubstr("every instance"));
+  EXPECT_THAT(broken_tree([](SourceTree& t) { t.of_instance = {2, 1}; }), HasSubstr("order"));
+  EXPECT_EQ(broken_tree([](SourceTree& t) { t.nodes[0].name.assign(256, 'a'); }), "");
+  EXPECT_THAT(broken_tree([](SourceTree& t) { t.nodes[0].name.assign(257, 'a'); }), HasSubstr("too long"));
   EXPECT_THAT(broken_tree([](SourceTree& t) {
                 for (std::uint32_t k = 2; k < 70; ++k) t.nodes.push_back({"deep", k});
               }),
