@@ -297,7 +297,7 @@ Mesh read_mesh(ByteReader& in, const ImportLimits& limits) {
   }
   MaterialLibrary library;
   for (json* list : json_lists(library)) *list = read_objects(in, limits);
-  require(has_sound_variants(library), "the variants of a material do not exist");
+  require(has_sound_variants(library), "the variants of a material do not exist, or are too long");
   library.images.resize(in.length(3 * sizeof(std::uint64_t)));
   for (Image& image : library.images) {
     image.name = in.text();

@@ -136,6 +136,17 @@ TEST(GltfDropped, NodesAboveMeshesAreGroupsWithTheirExtrasUpToALimit) {
               UnorderedElementsAre("node 64", "node 65", "node 66", "node 67", "node 68", "node 69"));
 }
 
+// Each fragment may have the name of its node. é has two bytes, of which the second one would be the 257th.
+TEST(GltfDropped, LongNamesOfNodesAreCutAtACharacter) {
+  Tetrahedron tet;
+  tet.json["nodes"] = {{{"name", std::string(255, 'a') + "\xc3\xa9"}, {"children", {1}}},
+                       {{"name", "Wall"}, {"mesh", 0}}};
+  tet.json["scenes"][0]["nodes"] = {0};
+  const Mesh mesh = import_with_losses(tet);
+  ASSERT_TRUE(mesh.source_tree);
+  EXPECT_EQ(mesh.source_tree->nodes[0].name, std::string(255, 'a'));
+}
+
 TEST(GltfDropped, AMeshThatNoNodeShowsIsNamed) {
   Tetrahedron tet;
   tet.json["meshes"].push_back(tet.json["meshes"][0]);
