@@ -46,7 +46,7 @@ TEST(UnnamedNodes, WithANameThatAnotherNodeHasLoseOnlyTheirExtras) {
   Mesh mesh = mesh_of({"Leaf", "Leaf", "Trunk"});
   EXPECT_THAT(listed(mesh, {0, 2}), IsEmpty());
   mesh.node_extras = {"\"a\":1", "\"a\":2", "\"a\":3"};
-  EXPECT_THAT(listed(mesh, {0}), ElementsAre("extras Leaf", "node Trunk", "extras Trunk"));
+  EXPECT_THAT(listed(mesh, {0}), ElementsAre("extras Leaf", "extras Trunk", "node Trunk"));
 }
 
 TEST(UnnamedNodes, ThatStayWholeHaveTheirNames) {
