@@ -69,11 +69,10 @@ Problem body_too_large(const Admission& admission, std::optional<std::uint64_t> 
       body + "; the limit is " + limit + " bytes (--max-body). Send a smaller mesh, or raise the limit.");
 }
 
-Error Api::with_time(Error error, const Request& request) const {
+Error Api::with_time(Error error, const Request& request, std::string_view advice) const {
   if (error.code != ErrorCode::kDeadlineExceeded) return error;
   if (const OrProblem<Terms> terms = terms_of(request))
-    error.detail = "The work was stopped after " + terms->allowed +
-                   ". Ask for fewer sites, send a smaller mesh, or allow more time.";
+    error.detail = "The work was stopped after " + terms->allowed + ". " + std::string(advice);
   return error;
 }
 

@@ -229,7 +229,10 @@ class Api {
       std::chrono::steady_clock::time_point received = std::chrono::steady_clock::now()) const;
   OrProblem<Terms> terms_of(const Request& request, const std::stop_token& gone = {}) const;
   /// If the deadline passed, the error says how much time the request had, and which setting or field limited it.
-  Error with_time(Error error, const Request& request) const;
+  /// `advice`: what the client can do.
+  Error with_time(
+      Error error, const Request& request,
+      std::string_view advice = "Ask for fewer sites, send a smaller mesh, or allow more time.") const;
   std::optional<Problem> refuse_overload(const RequestHead& head, const Admission& admission,
                                          const Payer& payer) const;
   std::optional<Problem> refuse_body(const RequestHead& head, const Admission& admission,

@@ -27,6 +27,8 @@ Problem no_mesh(std::string_view id) {
                                              std::string(id) + ", then send the request again.");
 }
 
+constexpr std::string_view kOfMesh = "Send a smaller mesh, or allow more time.";
+
 Error of_upload(Error error) {
   if (error.code == ErrorCode::kDeadlineExceeded) error.detail = "The mesh was not stored. " + error.detail;
   return error;
@@ -96,7 +98,8 @@ Answered Api::put_mesh(const std::shared_ptr<Request>& request, const std::stop_
             [this, request, reply, keep](Expected<std::shared_ptr<const PreparedMesh>> prepared) {
               answering(*request, reply, [&]() -> Answered {
                 if (!prepared)
-                  return refusal(of_upload(with_time(std::move(prepared.error()), *request)), request->id);
+                  return refusal(of_upload(with_time(std::move(prepared.error()), *request, kOfMesh)),
+                                 request->id);
                 return keep(*prepared);
               });
             });

@@ -199,8 +199,8 @@ def _write_scene(document: Json, whole: Glb, pieces: List[_Piece], figures: Json
         below = [copy.deepcopy(piece.glb.item("nodes", child)) for child in piece.node.get("children", [])]
         if below:
             node["children"] = [1 + len(pieces) + len(children) + n for n in range(len(below))]
-        for held in (node, *below):
-            _refer(held, piece, {**hull_number[k], **sheet_number[k]}, filter_of[k], first_hull=first_hull)
+        for changed in (node, *below):
+            _refer(changed, piece, {**hull_number[k], **sheet_number[k]}, filter_of[k], first_hull=first_hull)
         nodes.append(node)
         children += [{**child, "name": _renamed(child.get("name", ""), piece, str(piece.node["name"]))} for child in below]
     nodes += children

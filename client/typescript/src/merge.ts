@@ -21,7 +21,7 @@ const KHR = 'KHR_physics_rigid_bodies', OMI = 'OMI_physics_body', SHAPES = 'OMI_
 /** Returns the name, with _2, _3, … if it is taken, because numbers with more digits may have made a fragment's name equal to it. */
 function uniqueName(name: string, taken: Set<string>): string {
   let unique = name;
-  for (let number = 2; taken.has(unique); ++number) unique = `${cut(name, 62 - String(number).length)}_${number}`;
+  for (let number = 2; taken.has(unique); ++number) unique = `${cut(name, MOST_NAME - 1 - String(number).length)}_${number}`;
   taken.add(unique);
   return unique;
 }

@@ -145,7 +145,7 @@ TEST(Http, EveryErrorIsAProblemThatNamesItsParameterAndCarriesTheRequestId) {
   EXPECT_EQ(problem.at("status"), 400);
   EXPECT_EQ(problem.at("parameter"), "sites");
   EXPECT_EQ(problem.at("request_id"), "my-id.1");
-  EXPECT_NE(problem.at("detail").get<std::string>().find("1 to 100000"), std::string::npos);
+  EXPECT_NE(problem.at("detail").get<std::string>().find("1 to 100,000"), std::string::npos);
 }
 
 TEST(Http, RefusalsFromTheHeaderAlone) {

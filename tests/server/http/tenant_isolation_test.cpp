@@ -61,7 +61,13 @@ TEST_F(Isolation, AnAnswerOfWhatIsNotThereTellsNothing) {
   const std::string other = "sha256:" + sha256(std::string_view("another mesh")).hex();
   const Reply hidden = server.get("/meshes/" + id, by("bob")),
               absent = server.get("/meshes/" + other, by("bob"));
-  EXPECT_EQ(hidden.json().value("detail", "1"), absent.json().value("detail", "2"));
+  // Each error repeats the id of its request. Everything else is equal.
+  const auto without = [](std::string detail, const std::string& asked) {
+    const std::size_t at = detail.find(asked);
+    return at == std::string::npos ? detail : detail.erase(at, asked.size());
+  };
+  EXPECT_EQ(without(hidden.json().value("detail", "1"), id),
+            without(absent.json().value("detail", "2"), other));
   EXPECT_EQ(hidden.headers.size(), absent.headers.size());
 }
 
