@@ -149,7 +149,7 @@ class Real(Folder, WithServer):
         limit = self.client.limits()["max_body_bytes"]
         error = caught(self.client.put, bytes(limit + 1), format="stl")
         self.assertEqual((error.type, error.status), ("body-too-large", 413))
-        self.assertIn(str(limit), error.detail)
+        self.assertIn(f"{limit:,}", error.detail)
 
 
 if __name__ == "__main__":

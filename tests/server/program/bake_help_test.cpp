@@ -30,7 +30,7 @@ TEST_F(BakeProgram, TheHelpHasTheHeadingsOfTheDocumentsAndTheValuesOfEachParamet
                            "--growth X", "[a number from 1 to 10; default 1.35; only with radial]",
                            "-j,--jobs N", "[0 to 1024; default 0]", "sandstone or crystal"})
     EXPECT_THAT(out, HasSubstr(said));
-  EXPECT_THAT(out, HasSubstr("default 0,1,0"));
+  EXPECT_THAT(out, HasSubstr("default 0,-9.81,0"));
   std::istringstream lines(out);
   for (std::string line; std::getline(lines, line);)
     EXPECT_LE(line.size(), 110u) << line;  // 100 characters, some of more than one byte
