@@ -24,7 +24,7 @@ Exposition figures(const ServeProcess& server) {
   return parse_exposition(ask(server.admin_port, "GET", "/metrics").body);
 }
 
-/// Requests that take longer than any test, each on its own connection. The destructor resets the
+/// Requests that take long, each on its own connection. The destructor resets the
 /// connections.
 class LongWork {
  public:
@@ -49,8 +49,8 @@ struct LongWorkAttack : testing::TestWithParam<std::string> {
   ServeProcess server{
       {"--threads", "2", "--import-workers", "2", "--memory", "4GiB", "--realtime-deadline", "60"}};
 
-  /// Sends the bystander's requests. Returns how many were answered, and expects that nothing else was.
-  int answered(const std::string& fields) {
+  /// Sends the bystander's requests. Returns how many were answered, and expects that at most `others` other requests were.
+  int answered(const std::string& fields, int others = 0) {
     int good = 0;
     const double before = figures(server)["fracture_results_computed_total"];
     for (int k = 0; k < kQuestions; ++k) {
@@ -58,7 +58,7 @@ struct LongWorkAttack : testing::TestWithParam<std::string> {
       const Reply reply = ask(server.port, "POST", "/fracture?sites=8", kObj + fields, mesh, kBystander);
       good += reply.status == 200;
     }
-    EXPECT_EQ(figures(server)["fracture_results_computed_total"] - before, good) << "of the bystander alone";
+    EXPECT_LE(figures(server)["fracture_results_computed_total"] - before, good + others);
     return good;
   }
   void end(const std::string& attack, int good, const std::string& before) {
@@ -93,10 +93,10 @@ TEST_P(LongWorkAttack, Computations) {
 TEST_P(LongWorkAttack, Imports) {
   int good = 0;
   {
-    const LongWork work(server, 4, "/fracture?sites=8", GetParam(), kCube + many("o o\nf 1 2 3\n", 400'000));
+    const LongWork work(server, 12, "/fracture?sites=8", GetParam(), kCube + many("o o\nf 1 2 3\n", 400'000));
     EXPECT_TRUE(eventually(kPatience, "both import workers to be taken",
                            [&] { return figures(server).sum("fracture_import_workers_busy") >= 2; }));
-    good = answered(kU3);
+    good = answered(kU3, 11);  // at least the last import is not done
     EXPECT_EQ(good, kQuestions);
   }
   end("LongImports", good, "an upload waits for the end of one: a minute");
