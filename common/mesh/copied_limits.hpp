@@ -1,4 +1,4 @@
-// Limits for what an answer repeats in each of its fragments, so that a file cannot make answers that are much larger than itself.
+// Limits for data of the source that an answer repeats in each fragment.
 #pragma once
 
 #include <cstddef>
