@@ -9,7 +9,7 @@ namespace fracture {
 
 template <class T>
 std::size_t heap(const std::vector<T>& v) {
-  return v.capacity() * sizeof(T);  // for pointers, their own size is meant
+  return v.capacity() * sizeof(T);  // NOLINT(bugprone-sizeof-expression): pointers count with their own size
 }
 template <class T>
 std::size_t nested_heap(const std::vector<std::vector<T>>& v) {
