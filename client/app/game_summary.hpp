@@ -14,8 +14,8 @@ namespace fracture::app {
 /// The state of the game, its bodies and its server. Positions in m, velocities in m/s, energies in J.
 nlohmann::json summary(const game::Game& game, const protocol::Client& client, const Options& options);
 
-/// Number, median, 99th percentile and maximum of times in milliseconds, and the times in their order. An
-/// empty object if there are no times.
+/// Number, median, 99th percentile and maximum of times in milliseconds, and the times in their order. The
+/// object is empty if `times` is.
 nlohmann::json summary_of_frames(std::vector<double> times);
 
 /// Frame times of a run, in milliseconds.

@@ -43,7 +43,7 @@ class SourceOfFragments {
 class GroupNodes {
  public:
   /// `top`: node indices of the fragments or clusters that are the root's children without groups. `first_node`: index of the
-  /// first group. There are no groups if the fragments are in clusters, or if the source is not a hierarchy. Throws Interrupted.
+  /// first group. Makes groups only if the source is a hierarchy and the fragments are not in clusters. Throws Interrupted.
   GroupNodes(const FracturedSolid& fractured, const SourceOfFragments& sources, const SceneLayout& layout,
              const std::vector<WholeNode>& whole, const IntactScene& intact, const EmptyNodes& empty,
              const std::vector<std::size_t>& top, std::size_t first_node, const Execution& execution);

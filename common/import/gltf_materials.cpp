@@ -38,8 +38,7 @@ void collect_extensions(const json& value, std::set<std::string>& names) {
   }
 }
 
-/// Drops extensions that are not material extensions, because they could contain indices that are no longer
-/// valid.
+/// Keeps only material extensions. Others could contain indices of objects that the answer does not have.
 void drop_foreign_extensions(json& value) {
   if (value.is_object()) {
     if (const auto it = value.find("extensions"); it != value.end() && it->is_object()) {

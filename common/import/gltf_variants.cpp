@@ -39,7 +39,7 @@ std::optional<std::size_t> index_in(const json& object, const char* key, std::si
   return index->get<std::size_t>();
 }
 
-/// Extensions of extensions could contain indices that are no longer valid.
+/// Removes nested extensions. They could contain indices of objects that the answer does not have.
 json without_extensions(json object) {
   if (object.is_object()) object.erase("extensions");
   return object;

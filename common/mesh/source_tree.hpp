@@ -54,7 +54,7 @@ class SourceNodes {
   const std::string& name(std::uint32_t node) const;
   std::uint32_t parent(std::uint32_t node) const;
   const std::string& extras(std::uint32_t node) const;
-  /// Returns the node of a mesh instance, or kNoIndex if there is no such instance.
+  /// Returns the node of a mesh instance. For an unknown instance, returns kNoIndex.
   std::uint32_t of_instance(std::uint32_t instance) const;
   /// Returns the nearest common ancestor of the instances, which may be their own node, or kNoIndex: none. Takes at most
   /// 2 × kMostSourceLevels steps.

@@ -70,7 +70,7 @@ Why instances(const Asked& a) {
       if (node.mesh != kNoIndex) meshes.push_back(node.mesh);
   std::sort(meshes.begin(), meshes.end());
   if (std::adjacent_find(meshes.begin(), meshes.end()) != meshes.end()) return {};
-  return "the file uses each mesh only once, so there are no instances.";
+  return "instances are nodes with the same mesh, and each mesh of the file is in only one node.";
 }
 
 Why grain(const Asked& a) {

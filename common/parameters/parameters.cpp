@@ -91,8 +91,7 @@ std::string unknown_parameter(const std::vector<std::string>& known, const std::
   const std::string near = did_you_mean(name, known);
   // A synonym is better than names that are only spelt like it.
   const bool synonym = meant && near.find("'" + *meant + "'") == std::string::npos;
-  return "There is no parameter '" + shown(name) + "'." +
-         (synonym ? " Did you mean '" + *meant + "'?" : near) +
+  return "'" + shown(name) + "' is not a parameter." + (synonym ? " Did you mean '" + *meant + "'?" : near) +
          (first ? " GET /limits and `fracture-server bake --help` list all " + std::to_string(known.size()) +
                       " parameters."
                 : std::string());

@@ -124,8 +124,8 @@ void add_remark(const Solid& solid, const LocalImpact& impact, std::size_t hit, 
                    short_number(far->distance) + " m from the mesh and its 'local_radius' is " +
                    short_number(impact.radius) + " m. " + far->correction);
     else
-      remarks.warn("Hit " + grouped(hit) + " breaks nothing off, because there is no room for its sites" +
-                   where + ". Give a larger 'local_radius'.");
+      remarks.warn("Hit " + grouped(hit) + " breaks nothing off, because its sites do not fit" + where +
+                   ". Give a larger 'local_radius'.");
   } else {
     remarks.note("Hit " + grouped(hit) + ": " + grouped(missing) + " of " + counted(asked, "site", "sites") +
                  (missing == 1 ? " was" : " were") + " left out, because there is no more room" + where +

@@ -49,7 +49,7 @@ Vec3d nearest_place(const Solid& solid, const Vec3d& p, Pacer& pacer) {
   return nearest;
 }
 
-/// What to do about a place that is outside the solid.
+/// Returns advice for a place outside the solid.
 std::string correction_of(const Vec3d& place, const char* parameter, const Solid& solid) {
   const std::string name = std::string("'") + parameter + "'";
   const std::optional<std::string> unit = likely_unit(place, solid);

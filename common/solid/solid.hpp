@@ -195,7 +195,7 @@ struct Solid {
   std::shared_ptr<const Sheets> sheets{};
   /// Null until keep_instances() (solid/instances.hpp), or if there are none. Copies share it; images and patches have none.
   std::shared_ptr<const Instances> instances{};
-  /// Null until keep_scenery() (contacts/scenery.hpp), or if there is no scenery. Copies share it; images and patches have none.
+  /// Null until keep_scenery() (contacts/scenery.hpp), and without scenery. Copies share it; images and patches do not have it.
   std::shared_ptr<const Scenery> scenery{};
 
   /// The remarks of the importer, followed by those of make_solid().

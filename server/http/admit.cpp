@@ -38,7 +38,7 @@ std::optional<int> urgency_of(std::string_view field) {
 
 /// Says if the path is on the other listener.
 Problem no_path(Listener listener, const std::string& path) {
-  const std::string what = "There is no path '" + printable(path.substr(0, 100)) + "'";
+  const std::string what = "The path '" + printable(path.substr(0, 100)) + "' does not exist";
   const bool elsewhere = std::any_of(routes().begin(), routes().end(), [&](const Route& route) {
     return route.listener != listener && match(route, path).has_value();
   });

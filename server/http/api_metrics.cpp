@@ -27,8 +27,8 @@ void Api::write_metrics(ops::MetricWriter& writer) const {
   for (const auto& [priority, name] : kClasses)
     writer.gauge(
         "fracture_predicted_wait_seconds",
-        "Predicted queue time of a new computation, by priority class, for the client that has used the most "
-        "processor time (the worst case).",
+        "Predicted queue time of a new computation, by priority class. The prediction is for the client that "
+        "used the most processor time, which waits longest.",
         pool.backlog(priority).count(), {{"class", name}});
 
   const Dispatcher::Figures work = dispatcher_.figures();

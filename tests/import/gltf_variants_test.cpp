@@ -105,7 +105,7 @@ TEST(GltfVariants, MappingsThatWouldMakeEachFragmentLongAreListed) {
 }
 
 // 20 primitives have one material of 1 MB and different mappings. Each needs a copy of the material, and 19 copies need 19 MB, so
-// all of them fit into 32 MiB only if there are no further materials.
+// they fit into 32 MiB, but not next to further materials.
 TEST(GltfVariants, AreDroppedIfTheyDoNotFitNextToTheMaterials) {
   for (const bool others : {false, true}) {
     SCOPED_TRACE(others);

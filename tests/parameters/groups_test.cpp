@@ -67,9 +67,9 @@ TEST(ParameterGroups, AWrongNameMeansTheParameterWithThisSynonymOrTheNearest) {
 TEST(ParameterGroups, AnUnknownNameIsAnsweredWithTheParameterWithThisSynonym) {
   const auto parsed = parse_text("pieces", "30");
   ASSERT_FALSE(parsed);
-  EXPECT_THAT(parsed.error().detail,
-              AllOf(HasSubstr("There is no parameter 'pieces'. Did you mean 'fragments'?"),
-                    HasSubstr("bake --help")));
+  EXPECT_THAT(
+      parsed.error().detail,
+      AllOf(HasSubstr("'pieces' is not a parameter. Did you mean 'fragments'?"), HasSubstr("bake --help")));
 }
 
 TEST(ParameterGroups, AnUnknownNameIsAnsweredWithNearNamesOnly) {

@@ -250,7 +250,7 @@ double along_ray(const Vec3d& from, const Vec3d& direction, const std::vector<Co
   return nearest;
 }
 
-// The walls are at least as thick as requested, and not much thicker where they are flat.
+// Walls are at least as thick as requested. Flat walls are hardly thicker.
 TEST(MeaningOfParameters, WallsAreAsThickAsTheShell) {
   each([](const Mesh& mesh, std::uint64_t seed) {
     if (!full_tests() && seed != 2) return;  // walls take long: only the sphere

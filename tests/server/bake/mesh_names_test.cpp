@@ -54,7 +54,7 @@ TEST(MeshNamesInFile, OfAnObjAreThoseThatItsImporterHas) {
   EXPECT_EQ(obj("usemtl \\\noak\nf 1 2 3\n").materials, (std::set<std::string>{"oak"}))
       << "a backslash at its end joins a line with the next";
   EXPECT_EQ(obj("usemtl oak\\\r\n_\\\r\ndark\r\nf 1 2 3\n").materials, (std::set<std::string>{"oak_dark"}));
-  EXPECT_EQ(obj("o lid\\").nodes, (std::set<std::string>{"lid\\"})) << "there is no next";
+  EXPECT_EQ(obj("o lid\\").nodes, (std::set<std::string>{"lid\\"})) << "the file ends after the backslash";
   EXPECT_EQ(obj("usemtl oak\nusemtl pine\nf 1 2 3\nusemtl iron\nl 1 2\n").materials,
             (std::set<std::string>{"pine"}))
       << "no face uses the others";

@@ -186,15 +186,14 @@ nonsense
   std::istringstream lines(made.error().detail);
   for (std::string line; std::getline(lines, line);) said.push_back(line);
   const auto begins = [](const std::string& start) { return testing::StartsWith(start); };
-  EXPECT_THAT(said,
-              testing::ElementsAre(
-                  begins("Lines 1, 6 to 8" + of + "There is no parameter 'sitess'. Did you mean 'sites'?"),
-                  begins("Line 2" + of + "it is not a JSON object"),
-                  begins("Line 4" + of + "'.fbx' cannot be written"),
-                  testing::AllOf(begins("Line 4" + of), testing::HasSubstr("'sites' must be"),
-                                 testing::HasSubstr("'seed' must be")),
-                  "Line 9" + of + "'output' is missing.",
-                  testing::AllOf(begins("Line 10" + of), testing::HasSubstr("would both be written"))));
+  EXPECT_THAT(said, testing::ElementsAre(
+                        begins("Lines 1, 6 to 8" + of + "'sitess' is not a parameter. Did you mean 'sites'?"),
+                        begins("Line 2" + of + "it is not a JSON object"),
+                        begins("Line 4" + of + "'.fbx' cannot be written"),
+                        testing::AllOf(begins("Line 4" + of), testing::HasSubstr("'sites' must be"),
+                                       testing::HasSubstr("'seed' must be")),
+                        "Line 9" + of + "'output' is missing.",
+                        testing::AllOf(begins("Line 10" + of), testing::HasSubstr("would both be written"))));
   // Each shard reports all mistakes; otherwise a night of work is lost on every machine.
   EXPECT_EQ(plan_bake({.manifest = manifest, .shard = {1, 3}}, parse).error().detail, made.error().detail);
 }

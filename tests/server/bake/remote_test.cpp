@@ -22,7 +22,6 @@ namespace {
 using nlohmann::json;
 using test::FakeReply;
 using test::FakeRequest;
-using test::FakeServer;
 using testing::HasSubstr;
 
 std::unique_ptr<Baker> baker_for(const Farm& farm, const Patience& patience = short_pauses()) {

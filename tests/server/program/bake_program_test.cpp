@@ -177,7 +177,7 @@ nonsense
                          std::string(64, '0') + R"("}}
 )");
   EXPECT_EQ(shell("$f bake --manifest .m"), 2);
-  EXPECT_THAT(err, AllOf(StartsWith("fracture-server bake: Line 2 of '.m': There is no parameter 'sitess'"),
+  EXPECT_THAT(err, AllOf(StartsWith("fracture-server bake: Line 2 of '.m': 'sitess' is not a parameter"),
                          HasSubstr("\nLine 3 of '.m': it is not a JSON object"),
                          HasSubstr("\nLine 4 of '.m': bake keeps no answers, so 'of' cannot refer to one.")));
   EXPECT_EQ(out, "");
