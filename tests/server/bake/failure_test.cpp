@@ -10,12 +10,12 @@ namespace {
 
 using nlohmann::json;
 
-protocol::ProblemDocument problem(const std::string& type, const std::string& title = "") {
+protocol::ProblemDocument problem_document(const std::string& type, const std::string& title = "") {
   return {.type = type, .title = title, .detail = "Because.", .parameter = "sites"};
 }
 
 TEST(BakeFailure, TheRefusalOfAServerIsTheErrorThatItNames) {
-  const Error error = to_error(400, problem("/problems/bad-parameter", "Another title"));
+  const Error error = to_error(400, problem_document("/problems/bad-parameter", "Another title"));
   EXPECT_EQ(error.code, ErrorCode::kBadParameter);
   EXPECT_EQ(outcome_of(error.code), Outcome::kRefused);
   EXPECT_EQ(to_problem(error), to_problem(Error{ErrorCode::kBadParameter, "Because.", "sites"}));
@@ -27,7 +27,7 @@ TEST(BakeFailure, TheRefusalOfAServerIsTheErrorThatItNames) {
 }
 
 TEST(BakeFailure, WhatNoPipelineSaysKeepsTheWordsOfTheServer) {
-  const Error error = to_error(413, problem("/problems/body-too-large", "The body is over the limit"));
+  const Error error = to_error(413, problem_document("/problems/body-too-large", "The body is over the limit"));
   EXPECT_EQ(error.code, ErrorCode::kRefusedByServer);
   EXPECT_EQ(to_problem(error), (json{{"type", "/problems/body-too-large"},
                                      {"title", "The body is over the limit"},
@@ -43,7 +43,7 @@ TEST(BakeFailure, WhatNoPipelineSaysKeepsTheWordsOfTheServer) {
 
 TEST(BakeFailure, BugsAreToldFromRefusals) {
   for (const ErrorCode bug : {ErrorCode::kInternal, ErrorCode::kOutOfMemory, ErrorCode::kJobLost})
-    EXPECT_EQ(outcome_of(to_error(500, problem("/problems/" + std::string(slug(bug)))).code),
+    EXPECT_EQ(outcome_of(to_error(500, problem_document("/problems/" + std::string(slug(bug)))).code),
               Outcome::kFailed)
         << slug(bug);
   EXPECT_EQ(outcome_of(ErrorCode::kMeshNotClosed), Outcome::kRefused);

@@ -143,6 +143,13 @@ TEST(ImportPool, WorkThatIsUrgentNoMoreKeepsNobodyWaiting) {
   EXPECT_TRUE(settles(pool));
 }
 
+/// State of a process in /proc: "R" (runs), "S" (sleeps), "T" (stopped by a signal).
+std::string state_of(pid_t process) {
+  std::ifstream stat("/proc/" + std::to_string(process) + "/stat");
+  const std::string text{std::istreambuf_iterator<char>(stat), {}};
+  return text.substr(text.rfind(')') + 2, 1);
+}
+
 /// A computation that pauses for another one.
 TEST(ImportPool, AnImportStandsStillWithItsComputation) {
   struct Standing : ToldTurn {
@@ -171,9 +178,8 @@ TEST(ImportPool, AnImportStandsStillWithItsComputation) {
   EXPECT_TRUE(are(pool, 0, 1));
   for (int k = 0; k < 3; ++k) EXPECT_TRUE(read_for(pool, other)) << "its place is free";
   const pid_t reader = pool.pids().front();
-  std::ifstream stat("/proc/" + std::to_string(reader) + "/stat");
-  const std::string text{std::istreambuf_iterator<char>(stat), {}};
-  EXPECT_EQ(text.substr(text.rfind(')') + 2, 1), "T") << "stopped by a signal";
+  // The kernel stops a process some time after it takes the signal, so the state changes later than the pool's counters.
+  EXPECT_TRUE(eventually(kPatience, "the signal to stop the worker", [&] { return state_of(reader) == "T"; }));
   turn.stands = false;
   EXPECT_TRUE(are(pool, 1, 0));
   stop.request_stop();
