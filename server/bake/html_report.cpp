@@ -119,7 +119,7 @@ std::string link_to(const std::string& file, const std::string& page) {
 }
 
 /// Returns "1 234 567", with thin spaces between groups of thousands.
-std::string grouped(std::uint64_t number) {
+std::string with_thin_spaces(std::uint64_t number) {
   std::string digits = std::to_string(number);
   for (std::size_t at = digits.size(); at > 3;) digits.insert(at -= 3, "\u202f");
   return digits;
@@ -150,7 +150,7 @@ std::string milliseconds(double seconds) {
   const double ms = 1000 * seconds;
   char text[40];
   std::snprintf(text, sizeof text, "%.1f", ms);
-  return ms < 10 ? text : grouped(static_cast<std::uint64_t>(std::llround(ms)));
+  return ms < 10 ? text : with_thin_spaces(static_cast<std::uint64_t>(std::llround(ms)));
 }
 
 std::string figure(const std::string& what, const std::string& value, const char* kind = "") {
@@ -203,7 +203,7 @@ std::string dropped_items(const json& line) {
 }
 
 std::string collapsed(const char* title, const json& list, const std::string& items) {
-  return "<details class=\"notes\"><summary>" + std::string(title) + ": " + grouped(list.size()) +
+  return "<details class=\"notes\"><summary>" + std::string(title) + ": " + with_thin_spaces(list.size()) +
          "</summary>" + list_of(items) + "</details>";
 }
 
@@ -236,7 +236,7 @@ std::string made_row(const json& line, const std::string& page, bool pictures) {
   const json none = json::object();
   const json& certificate = line.contains("certificate") ? line["certificate"] : none;
   return row + name_cell(line) + "<td class=\"n\" data-of=\"Fragments\">" +
-         grouped(static_cast<std::uint64_t>(number_in(certificate, "fragments"))) +
+         with_thin_spaces(static_cast<std::uint64_t>(number_in(certificate, "fragments"))) +
          "</td><td class=\"n\" data-of=\"ms\">" + milliseconds(number_in(line, "seconds")) +
          "</td><td class=\"n\" data-of=\"Size\">" + in_bytes(number_in(line, "bytes")) + "</td>" +
          remarks_cell(line, warning) + "</tr>\n";
@@ -284,17 +284,17 @@ std::string html_report(const HtmlHead& head, const std::vector<json>& lines) {
       as_html(head.title) + "</title>\n<style>" + kStyle + "\n</style>\n</head>\n<body>\n<h1>" +
       named(head.title) + "</h1>\n";
   if (head.stopped)
-    page += "<p class=\"bad\">Stopped: " + grouped(head.jobs - std::min(head.jobs, lines.size())) +
+    page += "<p class=\"bad\">Stopped: " + with_thin_spaces(head.jobs - std::min(head.jobs, lines.size())) +
             " jobs were not done. To continue, run the same command again.</p>\n";
   if (!head.no_pictures.empty()) page += "<p>No pictures were drawn: " + as_html(head.no_pictures) + "</p>\n";
-  page += "<dl>\n" + figure("Jobs", grouped(head.jobs)) + figure("Made", grouped(made.size()));
-  if (head.kept > 0) page += figure("Kept from an earlier run", grouped(head.kept));
+  page += "<dl>\n" + figure("Jobs", with_thin_spaces(head.jobs)) + figure("Made", with_thin_spaces(made.size()));
+  if (head.kept > 0) page += figure("Kept from an earlier run", with_thin_spaces(head.kept));
   if (totals.refused > 0)
-    page += figure("Refused", "<a href=\"#not-made\">" + grouped(totals.refused) + "</a>", "bad");
+    page += figure("Refused", "<a href=\"#not-made\">" + with_thin_spaces(totals.refused) + "</a>", "bad");
   if (totals.failed > 0)
-    page += figure("Failed", "<a href=\"#not-made\">" + grouped(totals.failed) + "</a>", "bad");
-  if (totals.warned > 0) page += figure("With warnings", grouped(totals.warned), "warn");
-  page += figure("Fragments", grouped(totals.fragments)) + figure("Output size", in_bytes(totals.bytes)) +
+    page += figure("Failed", "<a href=\"#not-made\">" + with_thin_spaces(totals.failed) + "</a>", "bad");
+  if (totals.warned > 0) page += figure("With warnings", with_thin_spaces(totals.warned), "warn");
+  page += figure("Fragments", with_thin_spaces(totals.fragments)) + figure("Output size", in_bytes(totals.bytes)) +
           figure("Time of this run", in_time(head.seconds)) +
           figure("Total time of all meshes", in_time(totals.seconds)) + "</dl>\n";
   if (!not_made.empty()) {

@@ -80,7 +80,7 @@ TEST(Delta, WhereEachPartHasAGrainOfItsOwn) {
 TEST(Delta, OfPartsThatOverlap) {
   const Mesh mesh = joined(
       {ico_sphere(3), translated(ico_sphere(2), {0.6, 0.1, 0}), translated(ico_sphere(2), {-3, 0.1, 0})});
-  FractureParameters p = hits_on(mesh, 120, 0.2);
+  FractureParameters p = hits_on(mesh, sized(40u, 80u), 0.2);
   p.filters = HullFilters::kNone;  // they would not be enough for all cells that both spheres share
   for (LocalImpact& hit : p.hits) hit.point = {0.3, 0.1, 0.2};
   EXPECT_EQ(expect_hits(mesh, p), 3);
