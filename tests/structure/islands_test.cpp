@@ -26,7 +26,8 @@ TEST(Islands, APointOnNoIslandBelongsToTheNearest) {
   const std::vector<const Fragment*> fragments{&set.fragments[0], &set.fragments[1]};
   const bool left_first = set.fragments[0].mass.center_of_mass.x < 0;
   const std::uint32_t left = left_first ? 0 : 1, right = 1 - left;
-  Islands islands(fragments, kRounding, {});
+  const Execution execution;
+  Islands islands(fragments, kRounding, execution);
   const std::array<std::uint32_t, 2> both{0, 1};
   const auto pick = [&](const Vec3d& place) { return islands.pick(0, both, place, true); };
   EXPECT_EQ(pick({-0.5, 0.5, 0.5}), left) << "0.5 m from one, 1.5 m from the other";
@@ -40,7 +41,8 @@ TEST(Islands, APointOnNoIslandBelongsToTheNearest) {
 TEST(Islands, EquallyNearIslandsGiveTheFirst) {
   const FragmentSet set = two_bars();
   const std::vector<const Fragment*> fragments{&set.fragments[0], &set.fragments[1]};
-  Islands islands(fragments, kRounding, {});
+  const Execution execution;
+  Islands islands(fragments, kRounding, execution);
   const std::array<std::uint32_t, 2> both{0, 1}, turned{1, 0};
   EXPECT_EQ(islands.pick(0, both, {0, 0.5, 0.5}, true), 0u);
   EXPECT_EQ(islands.pick(1, turned, {0, 0.5, 0.5}, true), 1u);
