@@ -214,12 +214,10 @@ ParameterSpec assign_row() {
       .name = "assign",
       .type = Type::kAssignments,
       .doc =
-          "Materials for single parts of the mesh, for objects made of several materials. Each entry has a selector and a "
-          "`material`, and may have any parameter that a material sets or a pattern has. Selectors: `node` (the name of a node, "
-          "which includes all nodes below it), `slot` (the material on most of a part's surface) and `part` (the number of a "
-          "part). Names may be patterns such as `Wall_*`. The first entry that matches a part applies. As text: "
-          "selector:material;selector:material, where a selector is a node's name, node=, slot= or part=. `fragments` and the "
-          "size limits apply to the whole answer. An entry without `material` does not use the `material` of the request.",
+          "Materials for single parts of the mesh. Each entry has a `material`, a selector, and any parameters of materials "
+          "and patterns. Selectors: `node` (with all nodes below it), `slot` (the material on most of a part's surface) and "
+          "`part` (its number). The first entry that matches a part applies. An entry without `material` does not use the "
+          "request's.",
       .decides = Decides::kSites};
   spec.set = [](RequestParameters&, const ParameterSpec&, const ParameterValue&) {
   };  // ParameterTable::parse() does it

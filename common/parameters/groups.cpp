@@ -149,7 +149,7 @@ constexpr ParameterGroup kGroups[] = {
     {"Parameters of individual patterns", "", kPatterns},
     {"Rough cuts", "Noise makes the cut faces uneven; the two sides of a cut still match.", kRough},
     {"Number and size of fragments",
-     "`report.size` in the answer shows the number of fragments and the distribution of their volumes.",
+     "`report.size` shows the number of fragments and the distribution of volumes. Pieces broken off by hits do not count.",
      kSizes},
     {"Regions without cuts", "", kKept},
     {"Local hits",
@@ -158,13 +158,11 @@ constexpr ParameterGroup kGroups[] = {
      kHits},
     {"Break one fragment again", "", kAgain},
     {"Anchors and support",
-     "`report.support` shows the load on each bond, the bonds that are too weak, and the fragments that "
-     "fall.",
-     kAnchors},
+     "`report.support` shows the load on each bond, weak bonds, and the fragments that fall.", kAnchors},
     {"Appearance of the outside", "", kOutside},
     {"Appearance of the cuts", "", kInside},
     {"Physics and engines", "", kPhysics},
-    {"Barycentric cells", "The cells described in the paper that this project started from.", kBarycentric},
+    {"Barycentric cells", "The cells of the paper that this project started from.", kBarycentric},
 };
 
 }  // namespace

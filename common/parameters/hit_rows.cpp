@@ -26,9 +26,9 @@ ParameterSpec of_row() {
       .type = Type::kText,
       .max = 300,
       .doc =
-          "Address of an earlier answer for the same mesh, from the answer's Content-Location header. The new hits are "
-          "applied after the answer's hits, with its parameters. If the server no longer has the answer (404), send the "
-          "parameters instead of `of`; the bytes are the same."};
+          "Address of an earlier answer for the same mesh (its Content-Location header). The new hits are applied after its "
+          "hits, with its parameters. If the server no longer has it (404), send the parameters instead; the bytes are the "
+          "same."};
   spec.check = [](const ParameterValue& value) -> std::optional<std::string> {
     if (!answer_key_in(std::get<std::string>(value)).empty()) return std::nullopt;
     return "be the address of an answer, /fractures/sha256: followed by 64 lower-case hex digits";
@@ -81,9 +81,8 @@ std::vector<ParameterSpec> hit_parameter_rows() {
        .low = -kFarPlace,
        .high = kFarPlace,
        .doc =
-           "Points where the mesh is hit, measured from the file's origin. Each hit breaks only what is within its radius. Hits "
-           "are applied in order, and a later hit cuts the pieces of earlier ones. Use `local_point` for a hole or a chipped "
-           "corner. Requires `local_radius`."},
+           "Points where the mesh is hit, measured from the file's origin (for a hole or a chipped corner). Each hit breaks "
+           "only what is within its radius. A later hit cuts the pieces of earlier ones. Requires `local_radius`."},
       [](auto& r) -> auto& { return r.local_point; }));
   rows.push_back(with_member(
       {.name = "local_radius",
@@ -92,27 +91,24 @@ std::vector<ParameterSpec> hit_parameter_rows() {
        .low = kLeastLength,
        .high = kFar,
        .doc =
-           "Radius of each hit: one number per hit, or one for all hits. Beyond 1.25 times the radius, nothing is cut, and parts that "
-           "are farther away than the radius stay whole. If cells are stretched, the hit breaks an ellipsoid, whose longest half-axis "
-           "is the radius. Requires `local_point`."},
+           "Radius of each hit: one number per hit, or one for all. Nothing is cut beyond 1.25 times the radius, and parts "
+           "beyond the radius stay whole. With a stretch, it is the longest half-axis of an ellipsoid. Requires `local_point`."},
       [](auto& r) -> auto& { return r.local_radius; }));
   rows.push_back(with_member(
       {.name = "local_sites",
        .type = Type::kIntegers,
        .min = 1,
        .max = kMostHitSites,
-       .doc =
-           "Number of cells of each hit, which cut fragments into pieces: one number per hit, or one for all hits. All hits "
-           "together can have at most 10,000 sites."},
+       .doc = "Number of cells of each hit: one number per hit, or one for all; in total at most 10,000."},
       [](auto& r) -> auto& { return r.local_sites; }));
   rows.push_back(with_member(
       {.name = "local_rest",
        .type = Type::kChoice,
        .choices = {"whole", "fractured"},
        .doc =
-           "The pieces to which the hits are applied. `whole`: the parts of the mesh, so each part that no hit reaches stays one piece. "
-           "`fractured`: the pieces that the pattern makes. The remaining part of a piece keeps its ID. If `of` refers to an answer "
-           "without hits, `fractured` always applies."},
+           "The pieces to which the hits are applied. `whole`: the parts of the mesh. Parts that no hit reaches stay whole. "
+           "`fractured`: the pieces of the pattern. The rest of a piece keeps its ID. Always used if `of` names an answer "
+           "without hits."},
       [](auto& r) -> auto& { return r.fracture.rest; }));
   for (std::size_t k = first; k < rows.size(); ++k) {
     rows[k].decides = Decides::kSites;
@@ -123,17 +119,16 @@ std::vector<ParameterSpec> hit_parameter_rows() {
        .type = Type::kChoice,
        .choices = {"none", "stated", "only"},
        .doc =
-           "How the answer reports the changes that the new hits made. `none`: the changes are not reported. `stated`: the report "
-           "lists the fragments that were added, changed or removed, and the server keeps the answer for further hits. This is the "
-           "default if `of` and hits are given. `only`: like `stated`, but the answer contains only the new and changed fragments. "
-           "Not with `levels`."},
+           "How the answer reports the changes that the new hits made. `none`: not at all. `stated`: the report lists new, "
+           "changed and removed fragments, and the server keeps the answer for further hits. Default with `of` and hits. "
+           "`only`: like `stated`, but the answer contains only new and changed fragments. Not with `levels`."},
       [](auto& r) -> auto& { return r.delta; }));
   rows.push_back(with_member(
       {.name = "local_new",
        .type = Type::kInteger,
        .min = 1,
        .max = kMostHits,
-       .doc = "Number of new hits, at the end of `local_point`. Give it only with `delta` and without `of`."},
+       .doc = "Number of new hits, at the end of `local_point`. Only with `delta` and without `of`."},
       [](auto& r) -> auto& { return r.local_new; }));
   rows[rows.size() - 2].matters = [](const RequestParameters& r) { return r.delta != DeltaAnswer::kNone; };
   rows.back().matters = [](const RequestParameters& r) {

@@ -22,7 +22,7 @@ std::vector<ParameterSpec> pattern_parameter_rows(std::uint32_t max_sites) {
        .low = -kFarPlace,
        .high = kFarPlace,
        .doc =
-           "Positions of the Voronoi sites, measured from the file's origin (y up). The `points` pattern requires this parameter."}));
+           "Positions of the Voronoi sites, measured from the file's origin (y up). `pattern=points` requires them."}));
   rows.push_back(with_pattern_member<&ImpactPattern::impacts, &RadialPattern::impacts,
                                      &BrickPattern::impacts>(
       {.name = "impacts",
@@ -34,12 +34,10 @@ std::vector<ParameterSpec> pattern_parameter_rows(std::uint32_t max_sites) {
        .high = kFarPlace,
        .doc =
            "Points where the mesh is hit, measured from the file's origin. The whole mesh breaks, with the smallest pieces "
-           "there; `local_point` breaks only the area around a hit. `radial`: the first point is the centre of the rings and "
-           "spokes. `brick`: bricks at a point are crushed, and the bricks around it break in half; without points, no "
-           "bricks break. A point outside the mesh by more than a tenth of its longest side is moved to the nearest point of "
-           "the surface, with a warning. Default: the centre of the bounding box, or the point of the surface nearest to it "
-           "if the centre is empty; the centre of the box's +z side if spokes run in all directions. Without `pattern`, "
-           "`impacts` changes `uniform` and `clustered` to `impact`."}));
+           "there; `local_point` breaks only the area around a hit. `radial`: the first point is the centre of the rings. "
+           "`brick`: bricks at a point are crushed; without points, none. Points far outside the mesh are moved to its "
+           "surface, with a warning. Default: the centre of the bounding box. Without `pattern`, `uniform` and `clustered` "
+           "become `impact`."}));
   rows.push_back(with_pattern_member<&ImpactPattern::radius, &ClusteredPattern::radius>(
       {.name = "radius",
        .type = Type::kNumber,
@@ -47,25 +45,24 @@ std::vector<ParameterSpec> pattern_parameter_rows(std::uint32_t max_sites) {
        .low = kLeastLength,
        .high = kFar,
        .doc =
-           "Radius of the area around an impact in which the impact's sites are placed, or approximate radius of a cluster. "
-           "Default: for an impact, a third of the longest side of the bounding box; for a cluster, 0.12 times the mean side length "
-           "of the box."}));
+           "Radius of the area around an impact that contains its sites, or approximate radius of a cluster. Default: a third "
+           "of the longest side of the bounding box; for a cluster, 0.12 times the mean side."}));
   rows.push_back(with_pattern_member<&ImpactPattern::exponent, &ClusteredPattern::exponent>(
       {.name = "exponent",
        .type = Type::kNumber,
        .low = 0,
        .high = 2.9,
        .doc =
-           "How fast the density of sites falls with the distance from an impact or cluster centre: the density is proportional to "
-           "distance^-exponent. 0: uniform within `radius`. Default: 2 for `impact`, 1.5 for `clustered`."}));
+           "The density of sites is proportional to distance^-exponent from an impact or cluster centre. 0: uniform within "
+           "`radius`. Default: 2 for `impact`, 1.5 for `clustered`."}));
   rows.push_back(with_pattern_member<&ImpactPattern::share, &ClusteredPattern::share>(
       {.name = "share",
        .type = Type::kNumber,
        .low = 0,
        .high = 1,
        .doc =
-           "Fraction of the sites that are near an impact or in a cluster; the other sites are spread uniformly. Default: 0.8 for "
-           "`impact`, 0.88 for `clustered`."}));
+           "Fraction of the sites near an impact or in a cluster; the others are uniform. Default: 0.8 for `impact`, 0.88 for "
+           "`clustered`."}));
   rows.push_back(with_pattern_member<&ClusteredPattern::clusters>(
       {.name = "clusters",
        .type = Type::kInteger,
@@ -77,27 +74,24 @@ std::vector<ParameterSpec> pattern_parameter_rows(std::uint32_t max_sites) {
        .type = Type::kChoice,
        .choices = {"axis", "point", "shape"},
        .doc =
-           "Centre of the rings and spokes. `axis`: a line (for a pane). `point`: a point from which spokes run in all directions "
-           "(for a vessel or a lump). `shape`: like `axis` if the parameter `axis` is given or the mesh is a plate (at most a fifth "
-           "as thick as it is wide), otherwise like `point`. If the mesh has several parts, each part breaks according to its own "
-           "shape; rods (at least four times as long as they are wide) break across their length. If there are more than eight "
-           "parts, this applies only to the seven largest. If `axis`, `spokes`, `rings`, a stretch, a kept region or "
-           "`dual=barycenter` is given, all parts break as one."}));
+           "Centre of the rings and spokes. `axis`: a line (for a pane). `point`: a point from which spokes run in all "
+           "directions (for a vessel or a lump). `shape`: plates break as with `axis`, rods across their length, and other "
+           "parts as with `point`."}));
   rows.push_back(with_pattern_member<&RadialPattern::axis>(
       {.name = "axis",
        .type = Type::kDirection,
        .low = -kFar,
        .high = kFar,
        .doc =
-           "Axis of the rings and spokes. Default: perpendicular to a plate; in other meshes, along the shortest side of the "
-           "bounding box or, if `crushed` is given, from the hit to the centre of the box."}));
+           "Axis of the rings and spokes. Default: perpendicular to a plate; otherwise along the shortest side of the bounding "
+           "box or, with `crushed`, from the hit to the box's centre."}));
   rows.push_back(with_pattern_member<&RadialPattern::spokes>(
       {.name = "spokes",
        .type = Type::kInteger,
        .min = 3,
        .max = 720,
        .doc =
-           "Number of spokes. Default: enough for about `sites` pieces, but at least 14 (6 if they run in all directions)."}));
+           "Number of spokes. Default: enough for about `sites` pieces, but at least 14 (6 in all directions)."}));
   rows.push_back(with_pattern_member<&RadialPattern::rings>(
       {.name = "rings",
        .type = Type::kInteger,
@@ -109,13 +103,13 @@ std::vector<ParameterSpec> pattern_parameter_rows(std::uint32_t max_sites) {
        .type = Type::kNumber,
        .low = 1,
        .high = 10,
-       .doc = "Width of each ring, as a multiple of the width of the ring just inside it."}));
+       .doc = "Width of each ring, as a multiple of the width of the ring inside it."}));
   rows.push_back(with_pattern_member<&RadialPattern::merge>(
       {.name = "merge",
        .type = Type::kNumber,
        .low = 0,
        .high = 0.9,
-       .doc = "Fraction of the cracks along rings that is left out. Higher values make longer shards."}));
+       .doc = "Fraction of the cracks along rings that is left out, for longer shards."}));
   rows.push_back(with_pattern_member<&RadialPattern::crushed>(
       {.name = "crushed",
        .type = Type::kNumber,
@@ -129,8 +123,8 @@ std::vector<ParameterSpec> pattern_parameter_rows(std::uint32_t max_sites) {
        .low = 0,
        .high = 1,
        .doc =
-           "Irregularity of the pattern. With `grid`, `brick` and `slice`, each cutting plane is shifted by up to this fraction of "
-           "half the distance between planes. Default: 0.5 for `radial`, 0.2 for `slice`, otherwise 0."}));
+           "Irregularity of the pattern. With `grid`, `brick` and `slice`, planes are shifted by up to this fraction of half "
+           "their distance. Default: 0.5 for `radial`, 0.2 for `slice`, otherwise 0."}));
   ParameterSpec cell = with_pattern_member<&GridPattern::cell, &BrickPattern::cell>(
       {.name = "cell",
        .type = Type::kVector,
@@ -138,24 +132,21 @@ std::vector<ParameterSpec> pattern_parameter_rows(std::uint32_t max_sites) {
        .low = kLeastLength,
        .high = kFar,
        .doc =
-           "Size of a cell. `grid`: the lengths of a box along x, y and z. `brick`: the length, height and depth of a brick "
-           "including its joint. Bricks lie along the longer horizontal side of the wall. If you give their size, each brick "
-           "is one piece, and the whole mesh is a wall. Default: about `sites` pieces; with `brick`, each piece then "
-           "contains one to six bricks of 0.24 x 0.071 x 0.115 m, or scaled ones."});
+           "Size of a box along x, y and z (`grid`), or length, height and depth of a brick with its joint (`brick`). Bricks "
+           "lie along the longer horizontal side of the wall. If you give a size, each brick is one piece. Default: about "
+           "`sites` pieces, with `brick` each of one to six bricks."});
   rows.push_back(std::move(cell));
   rows.push_back(with_pattern_member<&BrickPattern::bond>(
       {.name = "bond",
        .type = Type::kChoice,
        .choices = {"stack", "half", "third"},
-       .doc =
-           "Offset of each row of bricks from the row below: none (`stack`), half a brick (`half`) or a third of a brick (`third`)."}));
+       .doc = "Offset of each row of bricks: none (`stack`), half a brick (`half`) or a third (`third`)."}));
   ParameterSpec mortar{
       .name = "mortar",
       .type = Type::kColor,
       .doc =
-          "Colour of the joints in sRGB, as #rrggbb (for example #b9b4a8 for lime and cement). Cuts along joints have a matt "
-          "material of this colour, whose name ends with _Mortar. Joints have no width. `dual=barycenter` makes no joints. "
-          "Default: all cuts look the same.",
+          "Colour of the joints in sRGB (`#b9b4a8` for lime and cement). Cuts along joints have a matt material of this "
+          "colour, named ..._Mortar. Default: all cuts look the same.",
       .decides = Decides::kSites,
       .patterns = {pattern_name<BrickPattern>()}};
   mortar.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
@@ -177,7 +168,7 @@ std::vector<ParameterSpec> pattern_parameter_rows(std::uint32_t max_sites) {
        .low = -kFar,
        .high = kFar,
        .doc =
-           "One to three linearly independent directions. Each is the normal of one family of parallel cutting planes."});
+           "Normals of one to three families of parallel cutting planes. They must be linearly independent."});
   normals.check = [](const ParameterValue& value) -> std::optional<std::string> {
     const auto& given = std::get<std::vector<Vec3d>>(value);
     Matrix3 rows_of;
@@ -196,15 +187,14 @@ std::vector<ParameterSpec> pattern_parameter_rows(std::uint32_t max_sites) {
        .low = kLeastLength,
        .high = kFar,
        .doc =
-           "Distance between neighbouring planes of a family. Default: chosen to make about `sites` pieces."}));
+           "Distance between neighbouring planes of a family. Default: enough for about `sites` pieces."}));
   rows.push_back(with_pattern_member<&SlicePattern::tilt>(
       {.name = "tilt",
        .type = Type::kNumber,
        .unit = "degrees",
        .low = 0,
        .high = 45,
-       .doc =
-           "Maximum angle by which each plane is tilted at random. This applies only if there is a single family of planes."}));
+       .doc = "Maximum random tilt of each plane, if there is a single family of planes."}));
   return rows;
 }
 

@@ -28,14 +28,14 @@ std::vector<ParameterSpec> physical_parameter_rows() {
        .unit = "kg",
        .low = 1e-9,
        .high = 1e15,
-       .doc = "Total mass of all fragments. Give either `mass` or `density`."},
+       .doc = "Total mass of all fragments, instead of `density`."},
       [](auto& r) -> auto& { return r.mass; }));
   rows.push_back(with_member(
       {.name = "friction",
        .type = Type::kNumber,
        .low = 0,
        .high = 10,
-       .doc = "Friction coefficient of the fragments, both static and dynamic."},
+       .doc = "Friction coefficient, static and dynamic."},
       [](auto& r) -> auto& { return r.physical.friction; }));
   rows.push_back(with_member(
       {.name = "restitution",
@@ -50,8 +50,7 @@ std::vector<ParameterSpec> physical_parameter_rows() {
        .unit = "Pa",
        .low = 0,
        .high = 1e12,
-       .doc =
-           "Stress that a bond withstands before its two fragments separate. The bond is the area that they share."},
+       .doc = "Stress at which a bond (the area that two fragments share) breaks."},
       [](auto& r) -> auto& { return r.physical.bond_strength; }));
   rows.push_back(with_member(
       {.name = "contact_strength",
@@ -59,8 +58,8 @@ std::vector<ParameterSpec> physical_parameter_rows() {
        .low = 0,
        .high = 1000,
        .doc =
-           "Strength of bonds between fragments of different parts, as a multiple of `bond_strength`. The area of such a bond is "
-           "the contact area. 0: fragments of different parts are not bonded."},
+           "Strength of bonds between fragments of different parts, as a multiple of `bond_strength` times their contact area. "
+           "0: no such bonds."},
       [](auto& r) -> auto& { return r.fracture.contact_strength; }));
   rows.back().matters = [](const RequestParameters& r) { return r.fracture.contact_strength != 1; };
   return rows;

@@ -16,9 +16,8 @@ std::vector<ParameterSpec> rough_parameter_rows() {
        .low = 0,
        .high = 0.25,
        .doc =
-           "How far noise moves cut faces out of their planes, as a fraction of the solid's size: the cube root of the "
-           "volume of its largest part. If `stretch` is above 6, faces move four times as far along the grain. If "
-           "`rough_frequency` is too high for this amplitude, the server reduces the amplitude. 0: flat cuts."},
+           "How far noise moves cut faces out of their planes, as a fraction of the solid's size: the cube root of the volume "
+           "of its largest part. The server lowers an amplitude that is too high for `rough_frequency`. 0: flat cuts."},
       [](auto& r) -> auto& { return r.fracture.roughness.amplitude; }));
   rows.back().matters = [](const RequestParameters& r) {
     const MaterialPreset* preset = find_material_preset(r.material);  // its roughness is overridden by 0
@@ -31,7 +30,7 @@ std::vector<ParameterSpec> rough_parameter_rows() {
        .low = 0.1,
        .high = 100,
        .doc =
-           "How many waves of the coarsest noise layer fit across the solid (see `rough_amplitude` for the solid's size)."},
+           "How many waves of the coarsest noise layer fit across the solid's size (see `rough_amplitude`)."},
       [](auto& r) -> auto& { return r.fracture.roughness.frequency; }));
   rows.push_back(with_member(
       {.name = "rough_octaves",
@@ -39,8 +38,8 @@ std::vector<ParameterSpec> rough_parameter_rows() {
        .min = 1,
        .max = 6,
        .doc =
-           "Number of noise layers, each with twice the frequency and half the amplitude of the previous one. The finest layer "
-           "determines how many triangles the cuts have."},
+           "Number of noise layers, each with twice the frequency and half the amplitude of the previous one. More layers make "
+           "more triangles."},
       [](auto& r) -> auto& { return r.fracture.roughness.octaves; }));
   for (std::size_t k = first; k < rows.size(); ++k)
     rows[k].matters = [](const RequestParameters& r) { return r.fracture.roughness.amplitude > 0; };

@@ -19,9 +19,9 @@ void add_output_rows(std::vector<ParameterSpec>& rows) {
        .type = Type::kChoice,
        .choices = {"circumcenter", "barycenter"},
        .doc =
-           "How cells are made. `circumcenter`: Voronoi cells, which divide the mesh exactly. `barycenter`: convex hulls of the "
-           "tetrahedra's barycentres. These cells look softer, but the fragments overlap and leave gaps, and size limits never "
-           "merge fragments."},
+           "How cells are made. `circumcenter`: Voronoi cells, which divide the mesh exactly. `barycenter`: convex hulls of "
+           "the tetrahedra's barycentres. They look softer, but fragments overlap and leave gaps, and size limits never merge "
+           "them."},
       [](auto& r) -> auto& { return r.fracture.dual; }));
   rows.push_back(with_member(
       {.name = "drop_above",
@@ -29,7 +29,7 @@ void add_output_rows(std::vector<ParameterSpec>& rows) {
        .unit = "m³",
        .low = 0,
        .high = 1e18,
-       .doc = "Fragments larger than this volume are left out. Only with `dual=barycenter`. 0: no limit."},
+       .doc = "Larger fragments are left out. Only with `dual=barycenter`. 0: no limit."},
       [](auto& r) -> auto& { return r.fracture.drop_above; }));
   rows.back().matters = [](const RequestParameters& r) { return r.fracture.drop_above > 0; };
   rows.push_back(with_member(
@@ -37,16 +37,15 @@ void add_output_rows(std::vector<ParameterSpec>& rows) {
        .type = Type::kChoice,
        .choices = {"khr", "omi", "none"},
        .doc =
-           "Format of the fragments' physics data. `khr`: KHR_physics_rigid_bodies, with collision filters for fragments "
-           "whose hulls overlap. `omi`: OMI_physics_body and OMI_physics_shape, for Godot; this format has no filters, so a "
-           "warning counts the overlaps. `none`: no physics and no collision hulls."},
+           "Format of the fragments' physics data. `khr`: KHR_physics_rigid_bodies, with collision filters for overlapping "
+           "hulls. `omi`: OMI_physics_body and OMI_physics_shape, for Godot. It has no filters; a warning counts the overlaps. "
+           "`none`: no physics and no hulls."},
       [](auto& r) -> auto& { return r.physics; }));
   rows.push_back(with_member(
       {.name = "ue_collision",
        .type = Type::kChoice,
        .choices = {"none", "ucx"},
-       .doc =
-           "`ucx`: the collision hulls are also written as nodes named UCX_..., which Unreal uses as collision geometry."},
+       .doc = "`ucx`: the collision hulls are also written as nodes named UCX_..., for Unreal."},
       [](auto& r) -> auto& { return r.ue_collision; }));
   for (ParameterSpec& spec : hull_parameter_rows()) rows.push_back(std::move(spec));
   rows.push_back(with_member(
@@ -55,15 +54,15 @@ void add_output_rows(std::vector<ParameterSpec>& rows) {
        .choices = {"center_of_mass", "source"},
        .doc =
            "Origin of each fragment's node. `center_of_mass`: the fragment's centre of mass. `source`: the mesh's origin, so "
-           "positions are the same as in the mesh."},
+           "positions stay the same."},
       [](auto& r) -> auto& { return r.fracture.pivot; }));
   ParameterSpec intact = with_member(
       {.name = "intact",
        .type = Type::kChoice,
        .choices = {"false", "true"},
        .doc =
-           "`true`: the file also contains the unbroken mesh with collision hulls, as a second scene named Intact. The default scene "
-           "contains the fragments. An answer with `delta` has no second scene, because the mesh is already broken."},
+           "`true`: the file also contains the unbroken mesh with hulls, as a second scene named Intact, except in answers "
+           "with `delta`."},
       [](auto& r) -> auto& { return r.fracture.intact; });
   intact.get = [](const RequestParameters& r, const ParameterSpec& s) -> nlohmann::json {
     return s.choices.at(r.fracture.intact ? 1 : 0);
@@ -78,9 +77,9 @@ void add_exterior_row(std::vector<ParameterSpec>& rows) {
        .type = Type::kChoice,
        .choices = {"auto", "asset", "material"},
        .doc =
-           "Appearance of the outside. `auto`: surfaces that have no material in the mesh get the colour, roughness, metalness and "
-           "opacity of `material`; other surfaces stay as they are. `asset`: all surfaces stay as they are. `material`: all "
-           "fragments get the roughness, metalness and opacity of `material`, but keep their colours and textures."},
+           "Appearance of the outside. `auto`: surfaces without a material get the colour, roughness, metalness and opacity of "
+           "`material`. `asset`: all surfaces stay as they are. `material`: all fragments get the roughness, metalness and "
+           "opacity of `material`, but keep colours and textures."},
       [](auto& r) -> auto& { return r.exterior.choice; });
   exterior.matters = [](const RequestParameters& r) { return r.exterior.any(); };
   rows.push_back(std::move(exterior));
@@ -92,17 +91,16 @@ void add_interior_rows(std::vector<ParameterSpec>& rows) {
        .type = Type::kChoice,
        .choices = {"auto", "plain", "texture"},
        .doc =
-           "Colour of the cut faces. `auto`: the colour of each part's cuts is blended with the colour that covers most of the "
-           "part's surface; `interior_mix` sets the proportion. `plain`: all cuts have the same colour, which does not depend on "
-           "the surface. `texture`: like `auto`, but textures of `interior_material` are shown even if they do not repeat on the "
-           "mesh."},
+           "Colour of the cut faces. `auto`: `interior_mix` blends in the colour that covers most of the part's surface. "
+           "`plain`: all cuts have the same colour. `texture`: like `auto`, but textures of `interior_material` are shown even "
+           "if they do not repeat on the mesh."},
       [](auto& r) -> auto& { return r.interior.choice; }));
   ParameterSpec reused = with_member(
       {.name = "interior_material",
        .type = Type::kText,
        .doc =
-           "Name or index of a material in the mesh. The cut faces look like this material. Textures that repeat on the mesh also "
-           "repeat on the cuts; if a texture is an atlas or a palette, only its mean colour is used."},
+           "Name or index of a material in the mesh. The cut faces have its look, with textures that repeat on the mesh; of an "
+           "atlas or a palette, only the mean colour is used."},
       [](auto& r) -> auto& { return r.interior.material; });
   reused.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
     r.interior = {.material = std::get<std::string>(value),
@@ -115,13 +113,12 @@ void add_interior_rows(std::vector<ParameterSpec>& rows) {
       {.name = "interior_name",
        .type = Type::kText,
        .doc =
-           "Name of the cut faces' material. Default: Interior, or Interior_ followed by the name of `interior_material`."},
+           "Name of the cut faces' material. Default: Interior, or Interior_ and the name of `interior_material`."},
       [](auto& r) -> auto& { return r.interior.name; }));
   ParameterSpec color = with_member(
       {.name = "interior_color",
        .type = Type::kColor,
-       .doc =
-           "Base colour of the cut faces in sRGB, as #rrggbb. It replaces the base colour texture of `interior_material`."},
+       .doc = "Base colour of the cut faces in sRGB. It replaces the colour texture of `interior_material`."},
       [](auto& r) -> auto& { return r.interior_color; });
   color.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
     r.interior_color = std::get<std::string>(value);
@@ -135,18 +132,15 @@ void add_interior_rows(std::vector<ParameterSpec>& rows) {
        .low = 0,
        .high = 1,
        .doc =
-           "How much of the surface's colour is blended into the colour of the cut faces. A value above 0 replaces their texture. "
-           "Default: 0 with `interior_color` or `interior_material`; otherwise the value set by `material`, or 1 without a "
-           "`material`."},
+           "Share of the surface's colour in the cut faces' colour. Above 0, it replaces their texture. Default: the value of "
+           "`material`, or 1; with `interior_color` or `interior_material`, 0."},
       [](auto& r) -> auto& { return r.interior.mix; }));
   rows.push_back(with_member(
       {.name = "interior_shade",
        .type = Type::kNumber,
        .low = 0,
        .high = 10,
-       .doc =
-           "Brightness of the surface's colour in the cut faces, as a factor. It applies only to the share of that colour "
-           "that `interior_mix` adds."},
+       .doc = "Brightness, as a factor, of the surface's colour that `interior_mix` adds to the cut faces."},
       [](auto& r) -> auto& { return r.interior.shade; }));
   rows.push_back(with_member(
       {.name = "interior_opacity",
@@ -154,8 +148,8 @@ void add_interior_rows(std::vector<ParameterSpec>& rows) {
        .low = 0,
        .high = 1,
        .doc =
-           "Opacity of the cut faces. If it is below 1, objects behind the cut faces are visible. Default: set by the materials "
-           "glass, crystal and ice; otherwise 0.5 in parts with a translucent surface and 1 in other parts."},
+           "Opacity of the cut faces. Default: set by the materials glass, crystal and ice; otherwise 0.5 in parts with a "
+           "translucent surface and 1 in others."},
       [](auto& r) -> auto& { return r.interior.opacity; }));
   ParameterSpec crushed = with_member(
       {.name = "interior_crushed",
@@ -163,8 +157,8 @@ void add_interior_rows(std::vector<ParameterSpec>& rows) {
        .low = 0,
        .high = 1,
        .doc =
-           "Fragments smaller than this fraction of the mean volume get white, opaque cut faces, like crushed ice. The mean volume "
-           "is computed from `fragments` or `sites`. 0: no fragments."},
+           "Fragments smaller than this fraction of the mean volume (by `fragments` or `sites`) get white, opaque cut faces, "
+           "like crushed ice."},
       [](auto& r) -> auto& { return r.interior.crushed; });
   crushed.matters = [](const RequestParameters& r) { return r.interior.crushed > 0; };
   rows.push_back(std::move(crushed));
@@ -186,8 +180,8 @@ void add_interior_rows(std::vector<ParameterSpec>& rows) {
       {.name = "interior_detail",
        .type = Type::kChoice,
        .doc =
-           "Surface relief of the cut faces: a normal map and a roughness map, which repeat once per metre unless "
-           "`interior_uv_scale` is given. With `delta=only`, the maps are left out, because the client already has them."},
+           "Normal map and roughness map of the cut faces, which repeat once per metre without `interior_uv_scale`. With "
+           "`delta=only`, they are left out."},
       [](auto& r) -> auto& { return r.interior.detail; });
   for (const std::string_view name : kCutDetailNames) detail.choices.emplace_back(name);
   detail.matters = [](const RequestParameters& r) { return r.interior.detail != CutDetail::kNone; };
@@ -197,21 +191,21 @@ void add_interior_rows(std::vector<ParameterSpec>& rows) {
        .type = Type::kNumber,
        .low = 1e-3,
        .high = 1e3,
-       .doc = "How many times a texture repeats per metre of cut face."},
+       .doc = "Texture repetitions per metre of cut face."},
       [](auto& r) -> auto& { return r.interior.uvs.scale; }));
   rows.push_back(with_member(
       {.name = "interior_uv_u",
        .type = Type::kNumber,
        .low = -1e3,
        .high = 1e3,
-       .doc = "Offset of the first texture coordinate on cut faces."},
+       .doc = "Offset of the first texture coordinate."},
       [](auto& r) -> auto& { return r.interior.uvs.u; }));
   rows.push_back(with_member(
       {.name = "interior_uv_v",
        .type = Type::kNumber,
        .low = -1e3,
        .high = 1e3,
-       .doc = "Offset of the second texture coordinate on cut faces."},
+       .doc = "Offset of the second texture coordinate."},
       [](auto& r) -> auto& { return r.interior.uvs.v; }));
   for (std::size_t k = rows.size() - 3; k < rows.size(); ++k)
     rows[k].matters = [](const RequestParameters& r) { return r.interior.uvs != CutUvs{}; };
@@ -221,7 +215,7 @@ ParameterSpec format_row(const FormatSet& formats) {
   ParameterSpec spec{.name = "format",
                      .type = Type::kChoice,
                      .choices = formats.names(),
-                     .doc = "Format of the mesh, if the Content-Type does not specify it."};
+                     .doc = "Format of the mesh, unless the Content-Type says it."};
   spec.set = [](RequestParameters& r, const ParameterSpec& s, const ParameterValue& value) {
     r.format = format_from_extension(s.choices.at(std::get<std::uint64_t>(value)));
   };

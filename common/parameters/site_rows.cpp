@@ -15,8 +15,8 @@ ParameterSpec material_row() {
       .name = "material",
       .type = Type::kChoice,
       .doc =
-          "Preset for `pattern` and most other parameters. The material sets how the mesh breaks, how the cuts look, and the "
-          "density, friction, bounce and strength of the fragments. Parameters that you give override the preset."};
+          "Preset for `pattern` and most other parameters: how the mesh breaks, how the cuts look, and the physics of the "
+          "fragments. Parameters that you give override it."};
   for (const MaterialPreset& preset : material_presets()) spec.choices.emplace_back(preset.name);
   spec.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
     const MaterialPreset& preset = material_presets()[std::get<std::uint64_t>(value)];
@@ -59,12 +59,10 @@ SitePattern pattern_at(std::size_t index, std::index_sequence<k...>) {
 }
 
 ParameterSpec pattern_row() {
-  ParameterSpec spec{
-      .name = "pattern",
-      .type = Type::kChoice,
-      .doc =
-          "How the Voronoi sites are arranged. A piece forms around each site, so the sites determine where the mesh is cut.",
-      .decides = Decides::kSites};
+  ParameterSpec spec{.name = "pattern",
+                     .type = Type::kChoice,
+                     .doc = "How the Voronoi sites are arranged. A piece forms around each site.",
+                     .decides = Decides::kSites};
   for (const PatternTraits& pattern : kPatternTraits) spec.choices.emplace_back(pattern.name);
   spec.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
     const auto index = static_cast<std::size_t>(std::get<std::uint64_t>(value));
@@ -98,21 +96,17 @@ void add_general_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
            .min = 1,
            .max = max_sites,
            .doc =
-               "Number of cells that the pattern makes. With `uniform`, `impact` and `clustered`, this is the number of Voronoi "
-               "sites; with the other patterns, the number is approximate. It is multiplied by `cells_per_fragment`. A cell that "
-               "extends into several parts of the mesh becomes one fragment in each part. To set the number of fragments, use "
-               "`fragments`."},
+               "Number of cells that the pattern makes, multiplied by `cells_per_fragment`. It is approximate except with "
+               "`uniform`, `impact` and `clustered`. A cell makes a fragment in each separate part of the mesh. To set the "
+               "number of fragments, use `fragments`."},
           [](auto& r) -> auto& { return r.fracture.sites; })));
-  rows.push_back(for_patterns(
-      {},
-      with_member(
-          {.name = "seed",
-           .type = Type::kInteger,
-           .min = 0,
-           .max = kMaxSeed,
-           .doc =
-               "Seed for all random numbers. The same seed gives the same bytes; a different seed gives different cuts."},
-          [](auto& r) -> auto& { return r.fracture.seed; })));
+  rows.push_back(for_patterns({}, with_member(
+                                      {.name = "seed",
+                                       .type = Type::kInteger,
+                                       .min = 0,
+                                       .max = kMaxSeed,
+                                       .doc = "Seed for random numbers. The same seed gives the same bytes."},
+                                      [](auto& r) -> auto& { return r.fracture.seed; })));
   rows.push_back(for_patterns(
       patterns_that(&PatternTraits::relaxed),
       with_member(
@@ -121,7 +115,7 @@ void add_general_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
            .min = 0,
            .max = 50,
            .doc =
-               "Number of relaxation passes. Each pass moves every site to the centre of its piece, so the pieces become more equal "
+               "Number of relaxation passes. Each moves every site to the centre of its piece, so the pieces become more equal "
                "in size."},
           [](auto& r) -> auto& { return r.fracture.lloyd; })));
   rows.push_back(for_patterns(
@@ -130,9 +124,8 @@ void add_general_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
           {.name = "density_from",
            .type = Type::kText,
            .doc =
-               "Vertex colours (COLOR_0 to COLOR_7) or a material (name or index): the mesh breaks into smaller pieces in "
-               "white areas or near the material's surface. In black areas, or near other surfaces, the density of sites is "
-               "1/32 of its maximum. Sites near an impact are not affected."},
+               "Vertex colours (COLOR_0 to COLOR_7) or a material (name or index): pieces are smaller in white areas or near "
+               "the material's surface. In black areas, or near other surfaces, sites are 1/32 as dense."},
           [](auto& r) -> auto& { return r.fracture.density_from; })));
   ParameterSpec stretch = for_patterns(
       {},
@@ -142,22 +135,21 @@ void add_general_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
            .low = 0.01,
            .high = 100,
            .doc =
-               "Length of the pieces along the grain, relative to their width across the grain. Use values above 1 for fibres and "
-               "below 1 for layers. Lengths such as `radius` are then measured across the grain."},
+               "Length of the pieces along the grain, relative to their width: above 1 for fibres, below 1 for layers. Lengths "
+               "such as `radius` are measured across the grain."},
           [](auto& r) -> auto& { return r.fracture.anisotropy.stretch; }));
   stretch.get = [get = stretch.get](const RequestParameters& r, const ParameterSpec& s) {
     return r.fracture.anisotropy.matrix ? nlohmann::json() : get(r, s);
   };
   rows.push_back(std::move(stretch));
-  rows.push_back(for_patterns(
-      {},
-      with_member(
-          {.name = "grain",
-           .type = Type::kDirection,
-           .low = -kFar,
-           .high = kFar,
-           .doc = "Direction of the grain (see `stretch`) in the whole mesh. Default: set by `grain_of`."},
-          [](auto& r) -> auto& { return r.fracture.anisotropy.grain; })));
+  rows.push_back(
+      for_patterns({}, with_member(
+                           {.name = "grain",
+                            .type = Type::kDirection,
+                            .low = -kFar,
+                            .high = kFar,
+                            .doc = "Direction of the grain (see `stretch`). Default: set by `grain_of`."},
+                           [](auto& r) -> auto& { return r.fracture.anisotropy.grain; })));
   ParameterSpec grain_of = for_patterns(
       {},
       with_member(
@@ -165,10 +157,9 @@ void add_general_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
            .type = Type::kChoice,
            .choices = {"solid", "part", "node", "material"},
            .doc =
-               "Which bodies get their own grain, along the body's longest axis, if `grain` is not given. With patterns other than "
-               "`uniform`, `impact` and `clustered`, every choice has the same effect as `solid`. `solid`: the whole mesh. `part`: "
-               "each connected part. `node`: all parts of a node as one body. `material`: all parts that have the same material on "
-               "most of their surface, as one body."},
+               "Which bodies get their own grain, along their longest axis, if `grain` is missing. Patterns other than "
+               "`uniform`, `impact` and `clustered` use `solid`. `solid`: the whole mesh. `part`: each connected part. `node`: "
+               "all parts of a node. `material`: all parts with the same material on most of their surface."},
           [](auto& r) -> auto& { return r.fracture.anisotropy.grain_of; }));
   grain_of.matters = [](const RequestParameters& r) {
     const Anisotropy& a = r.fracture.anisotropy;
@@ -188,7 +179,7 @@ void add_general_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
            .low = -1000,
            .high = 1000,
            .doc =
-               "Matrix (row by row) that stretches and shears every piece. Use it instead of `stretch` and `grain`."},
+               "Matrix (row by row) that stretches and shears every piece, instead of `stretch` and `grain`."},
           [](auto& r) -> auto& { return r.fracture.anisotropy.matrix; }));
   matrix.check = [](const ParameterValue& value) -> std::optional<std::string> {
     const auto& m = std::get<Matrix3>(value);
@@ -214,9 +205,8 @@ void add_aggregate_rows(std::vector<ParameterSpec>& rows) {
            .min = 1,
            .max = kMostCellsPerFragment,
            .doc =
-               "Mean number of cells that are joined into one fragment. Values above 1 make ragged, non-convex chunks; "
-               "`size_spread` controls how their sizes vary. Around an impact, chunks are longer in the direction away from it. 1: "
-               "each cell is a fragment."},
+               "Mean number of cells per fragment. Values above 1 make ragged, non-convex chunks, which are longer in the "
+               "direction away from an impact. `size_spread` varies their sizes."},
           [](auto& r) -> auto& { return r.fracture.aggregation.cells; })));
   rows.back().matters = [](const RequestParameters& r) {  // 1 matters if the material has more
     const MaterialPreset* preset = find_material_preset(r.material);
@@ -230,9 +220,8 @@ void add_aggregate_rows(std::vector<ParameterSpec>& rows) {
            .low = 0,
            .high = kMostSpread,
            .doc =
-               "How uneven the volumes of ragged chunks are. The fraction of chunks that are larger than a volume v is "
-               "exp(-(v/s)^(1/size_spread)), where s is a constant volume (Weibull 1951). 0: equal volumes. 1: the exponential "
-               "distribution of Grady and Kipp (1985). 2: the distribution of Mott and Linfoot (1943)."},
+               "How uneven the volumes of ragged chunks are: the fraction larger than v is exp(-(v/s)^(1/size_spread)), with a "
+               "constant s (Weibull 1951). 0: equal volumes. 1: Grady and Kipp (1985). 2: Mott and Linfoot (1943)."},
           [](auto& r) -> auto& { return r.fracture.aggregation.spread; })));
   rows.back().matters = [](const RequestParameters& r) { return r.fracture.aggregation.cells > 1; };
 }

@@ -20,17 +20,17 @@ std::vector<ParameterSpec> solid_parameter_rows() {
        .type = Type::kChoice,
        .choices = {"fill", "strict"},
        .doc =
-           "How a mesh is treated that is not closed or not consistently oriented. `fill`: holes are closed and inverted surfaces "
-           "are flipped. `strict`: the mesh is refused."},
+           "Treatment of a mesh that is not closed or not consistently oriented. `fill`: holes are closed and inverted "
+           "surfaces are flipped. `strict`: the mesh is refused."},
       [](auto& r) -> auto& { return r.solid.repair; }));
   ParameterSpec sheets = with_member(
       {.name = "sheets",
        .type = Type::kChoice,
        .choices = {"attach", "whole", "solid", "drop"},
        .doc =
-           "How sheets are treated: pieces of the surface that bound no volume (panes, leaves, decals). `attach`: the same cells "
-           "cut the sheets, and each fragment carries its share on a child node. `whole`: sheets stay whole, on separate nodes. "
-           "`solid`: sheets become slabs (`thickness`). `drop`: sheets are left out."},
+           "Treatment of sheets: surfaces that bound no volume (panes, leaves, decals). `attach`: the same cells cut the "
+           "sheets; each fragment carries its share on a child node. `whole`: sheets stay whole, on separate nodes. `solid`: "
+           "sheets become slabs (`thickness`). `drop`: sheets are left out."},
       [](auto& r) -> auto& { return r.solid.sheets; });
   // With a thickness, sheets are slabs anyway.
   sheets.matters = [](const RequestParameters& r) {
@@ -44,10 +44,9 @@ std::vector<ParameterSpec> solid_parameter_rows() {
        .low = 0,
        .high = 1000,
        .doc =
-           "Open sheets (panes, leaves) become slabs of this thickness, as with `sheets=solid`. Pieces that only a large lid "
-           "closes (cloth, terrain), and rooms, whose faces look inwards, become walls. Other open pieces become solid "
-           "bodies, with a warning, if closing their holes encloses more volume than the slab would have. 0: with "
-           "`sheets=solid`, slabs are as thick as 1/500 of the diagonal of the mesh's box."},
+           "Open sheets (panes, leaves) become slabs of this thickness, as with `sheets=solid`. Rooms, and pieces that only a "
+           "large lid closes (cloth, terrain), become walls. Other open pieces become solid if that gives more volume than a "
+           "slab, with a warning. 0: with `sheets=solid`, 1/500 of the mesh's diagonal."},
       [](auto& r) -> auto& { return r.solid.thickness; }));
   ParameterSpec shell = with_member(
       {.name = "shell",
@@ -56,9 +55,8 @@ std::vector<ParameterSpec> solid_parameter_rows() {
        .low = 0,
        .high = 1000,
        .doc =
-           "Wall thickness. Closed parts without a cavity become hollow if they are more than twice as thick as this value; their "
-           "walls are then at least this thick. Use `shell` for a vessel that is modelled as a solid. 0: the thickness comes from "
-           "`shell_fraction`. An explicit 0 also turns off the walls that a material sets."},
+           "Wall thickness. Closed parts that are more than twice as thick and have no cavity become hollow. Use it for a "
+           "vessel that is modelled as a solid. 0: use `shell_fraction`. An explicit 0 also turns off the walls of a material."},
       [](auto& r) -> auto& { return r.hollow.thickness; });
   shell.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
     r.hollow = {.thickness = std::get<double>(value)};  // replaces the walls of a material
@@ -71,8 +69,8 @@ std::vector<ParameterSpec> solid_parameter_rows() {
        .low = 0,
        .high = 0.5,
        .doc =
-           "Wall thickness as a fraction of the longest side of each part's bounding box. If both this and `shell` are 0, nothing "
-           "becomes hollow. Defaults: glass 0.02, ceramic 0.04, terracotta 0.06, metal 0.015."},
+           "Wall thickness as a fraction of the longest side of each part's bounding box. Defaults: glass 0.02, ceramic 0.04, "
+           "terracotta 0.06, metal 0.015."},
       [](auto& r) -> auto& { return r.hollow.fraction; });
   fraction.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
     r.hollow.fraction = std::get<double>(value);
@@ -90,10 +88,9 @@ std::vector<ParameterSpec> solid_parameter_rows() {
        .low = 0,
        .high = 1,
        .doc =
-           "Only parts that can contain a ball of this diameter become hollow, not plates, rods and parts that already have "
-           "walls. The diameter is a fraction of the longest side of the part's bounding box. 0: all parts that are thick "
-           "enough become hollow. Other values must be at least 0.1. Default: 0.2 if the material sets the walls, otherwise "
-           "0."},
+           "Only parts that can contain a ball of this diameter become hollow, not plates, rods and parts with walls. The "
+           "diameter is a fraction of the longest side of the part's box, at least 0.1. 0: all parts. Default: 0.2 with the "
+           "walls of a material, otherwise 0."},
       [](auto& r) -> auto& { return r.hollow.least_ball; });
   ball.check = [](const ParameterValue& value) -> std::optional<std::string> {
     const double given = std::get<double>(value);
@@ -108,8 +105,8 @@ std::vector<ParameterSpec> solid_parameter_rows() {
        .low = 0,
        .high = 0.01,
        .doc =
-           "Vertices are merged if they are closer together than this fraction of the bounding box's diagonal and merging them "
-           "closes open edges. 0: only vertices at the same position."},
+           "Vertices closer than this fraction of the bounding box's diagonal are merged if that closes open edges. 0: only "
+           "vertices at the same position."},
       [](auto& r) -> auto& { return r.solid.weld_tolerance; }));
   add(with_member(
       {.name = "contact_gap",
@@ -118,36 +115,34 @@ std::vector<ParameterSpec> solid_parameter_rows() {
        .low = 0,
        .high = 1000,
        .doc =
-           "Parts of the mesh (closed surfaces) that come within this distance of each other are in contact, and their "
-           "fragments are bonded. Parts that overlap are always in contact. Default: 0.001 times the longest side of the "
-           "mesh's bounding box; at most 0.1 times this side."},
+           "Parts (closed surfaces) that overlap or are within this distance are in contact, and their fragments are bonded. "
+           "Default: 0.001 times the longest side of the mesh's box; at most 0.1 times."},
       [](auto& r) -> auto& { return r.solid.contact_gap; }));
   add(with_member(
       {.name = "unit",
        .type = Type::kChoice,
        .choices = {"file", "m", "cm", "mm", "inch", "km"},
        .doc =
-           "Unit of the mesh's coordinates. `file`: the unit that the file or its format specifies, otherwise metres."},
+           "Unit of the mesh's coordinates. `file`: the unit of the file or its format, otherwise metres."},
       [](auto& r) -> auto& { return r.frame.unit; }));
   add(with_member(
       {.name = "up",
        .type = Type::kChoice,
        .choices = {"file", "y", "z"},
-       .doc =
-           "Axis of the mesh that points up. `file`: the axis that the file or its format specifies, otherwise y."},
+       .doc = "Axis of the mesh that points up. `file`: the axis of the file or its format, otherwise y."},
       [](auto& r) -> auto& { return r.frame.up; }));
   add(with_member(
       {.name = "nodes",
        .type = Type::kNames,
        .doc =
-           "Break only these nodes (comma-separated names, patterns such as `Wall_*`, or indices), with all nodes below them; all other "
-           "nodes stay whole."},
+           "Break only these nodes and all nodes below them (comma-separated names, patterns such as `Wall_*`, or indices). "
+           "Other nodes stay whole."},
       [](auto& r) -> auto& { return r.parts.nodes; }));
   add(with_member(
       {.name = "materials",
        .type = Type::kNames,
        .doc =
-           "Break only triangles with these materials (comma-separated names, patterns such as `Glass*`, or indices); all other "
+           "Break only triangles with these materials (comma-separated names, patterns such as `Glass*`, or indices). Other "
            "triangles stay whole."},
       [](auto& r) -> auto& { return r.parts.materials; }));
   ParameterSpec proxies = with_member(
@@ -155,9 +150,9 @@ std::vector<ParameterSpec> solid_parameter_rows() {
        .type = Type::kChoice,
        .choices = {"hulls", "geometry"},
        .doc =
-           "How levels of detail and collision geometry, recognized by their names, are treated. `hulls`: of levels of detail, "
-           "only `Crate_LOD0` is broken. Collision geometry (`UCX_Crate_00`, `Crate-col`) is not broken; with `intact=true`, "
-           "the unbroken mesh has it as colliders. `geometry`: all nodes are broken."},
+           "Treatment of nodes named as levels of detail or collision geometry. `hulls`: of levels of detail, only "
+           "`Crate_LOD0` is broken. Collision geometry (`UCX_Crate_00`, `Crate-col`) becomes colliders of the unbroken mesh "
+           "(`intact=true`). `geometry`: all nodes are broken."},
       [](auto& r) -> auto& { return r.proxies; });
   proxies.matters = [](const RequestParameters& r) { return r.proxies != Proxies::kHulls; };
   add(std::move(proxies));

@@ -33,11 +33,10 @@ ParameterSpec fragments_row(std::uint32_t max_sites) {
        .min = 0,
        .max = max_sites,
        .doc =
-           "Number of fragments in the answer. If the actual number differs by more than a tenth, a warning says why. Parts that "
-           "touch nothing share the fragments in proportion to their volumes, and each is at least one fragment. Parts near "
-           "`impacts` get fragments by their distance to them instead, however thin they are. Pieces broken off by hits "
-           "(`local_point`) do not count. If `sites` is omitted or equals this number, the pattern makes as many cells as are "
-           "needed. 0: `sites` determines the number of fragments. Not with `levels` or `dual=barycenter`."},
+           "Number of fragments. If the result differs by more than a tenth, a warning says why. Parts that touch nothing "
+           "share the fragments by volume, at least one each; parts near `impacts` get theirs by distance. Without `sites`, "
+           "the pattern makes as many cells as are needed. 0: `sites` determines the number. Not with `levels` or "
+           "`dual=barycenter`."},
       [](auto& r) -> auto& { return r.fracture.size.fragments; });
   spec.decides = Decides::kSites;  // patterns that divide the box make as many cells as this number requires
   spec.matters = [](const RequestParameters& r) { return r.fracture.size.fragments > 0; };
@@ -50,10 +49,9 @@ ParameterSpec parts_row() {
        .type = Type::kChoice,
        .choices = {"together", "apart"},
        .doc =
-           "How parts that overlap or touch become fragments. `together`: their pieces in the same cell are one fragment. If "
-           "`fragments` or another limit asks for fewer or larger fragments, a part too small to be a fragment joins the part with "
-           "which it has the largest contact. Pieces of different parts stay together if they touch in one cell of a hit. "
-           "`apart`: every fragment belongs to one part."},
+           "How parts that overlap or touch become fragments. `together`: their pieces in the same cell are one fragment. A "
+           "part too small to be a fragment joins the part with which it has the largest contact. `apart`: every fragment "
+           "belongs to one part."},
       [](auto& r) -> auto& { return r.fracture.parts; });
   spec.matters = [](const RequestParameters& r) { return r.fracture.parts != Parts::kTogether; };
   return spec;
@@ -66,10 +64,9 @@ ParameterSpec instances_row() {
        .choices = {"keep", "separate"},
        .doc =
            "How nodes of a glTF file that place the same mesh (by rotation, translation and uniform scale) are broken. `keep`: "
-           "an instance no larger than the mean fragment stays whole as one fragment, unless it is joined to parts that it touches. "
-           "The answer then contains the mesh once, and a rotated and scaled node for each such instance. A hit cuts an instance like any "
-           "other fragment; its pieces have their own meshes. `separate`: instances are parts like others, and each fragment has "
-           "its own mesh. Each fragment also has its own mesh with `parts=apart`, `pivot=source` or `dual=barycenter`."},
+           "an instance no larger than the mean fragment stays whole unless it is joined to other parts, and the answer "
+           "contains the mesh once. `separate`: instances are parts like others, as with `parts=apart`, `pivot=source` or "
+           "`dual=barycenter`."},
       [](auto& r) -> auto& { return r.fracture.instances; });
   spec.matters = [](const RequestParameters& r) { return r.fracture.instances != InstanceUse::kKeep; };
   return spec;
@@ -86,17 +83,16 @@ void add_size_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites) {
   };
   size(
       "min_volume", 1e18, "m³",
-      "Each fragment smaller than this volume is merged with the neighbour that shares the largest area with it. The largest of the "
-      "volumes that `min_volume`, `min_fraction` and `min_of_mean` give applies. 0: no limit.",
+      "Smaller fragments are merged with the neighbour that shares the largest area. The largest of `min_volume`, "
+      "`min_fraction` and `min_of_mean` applies.",
       [](auto& r) -> auto& { return r.fracture.size.min_volume; });
   size(
-      "min_fraction", 1, "", "Like `min_volume`, but as a fraction of the solid's volume. 0: no limit.",
+      "min_fraction", 1, "", "Like `min_volume`, but as a fraction of the solid's volume.",
       [](auto& r) -> auto& { return r.fracture.size.min_fraction; });
   size(
       "min_of_mean", 1, "",
-      "Like `min_volume`, but as a fraction of the fragments' mean volume. Use it to avoid crumbs. Near a hit, the limit is a "
-      "hundredth of this fraction of the mean volume that the fragments would have without hits. Before cuts are made rough, the "
-      "fraction is doubled, but not beyond 0.05. 0: no limit. Default with a `material`: 0.002.",
+      "Like `min_volume`, but as a fraction of the fragments' mean volume, to avoid crumbs. Near a hit, the limit is a "
+      "hundredth of it. Default with a `material`: 0.002.",
       [](auto& r) -> auto& { return r.fracture.size.min_of_mean; });
   // With a material, 0 differs from the value that the material sets.
   rows.back().matters = [](const RequestParameters& r) {
@@ -104,8 +100,8 @@ void add_size_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites) {
   };
   size(
       "max_volume", 1e18, "m³",
-      "If a cell contains a piece larger than this volume, the cell gets more sites, which divide the piece. 0: no limit. Not with "
-      "`radial`, `grid`, `brick` or `slice`.",
+      "A cell that contains a larger piece gets more sites, which divide the piece. 0: no limit. Not with `radial`, `grid`, "
+      "`brick` or `slice`.",
       [](auto& r) -> auto& { return r.fracture.max_volume; });
   rows.back().decides = Decides::kSites;
   rows.push_back(with_member(
@@ -113,9 +109,7 @@ void add_size_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites) {
        .type = Type::kInteger,
        .min = 0,
        .max = 1'000'000,
-       .doc =
-           "The smallest fragments are merged until at most this many fragments are left. Pieces broken off by hits "
-           "(`local_point`) do not count. 0: no limit."},
+       .doc = "The smallest fragments are merged until at most this many are left. 0: no limit."},
       [](auto& r) -> auto& { return r.fracture.size.max_fragments; }));
   rows.back().matters = [](const RequestParameters& r) { return r.fracture.size.max_fragments > 0; };
   rows.push_back(with_member(
@@ -124,8 +118,7 @@ void add_size_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites) {
        .min = 0,
        .max = 1'000'000'000,
        .doc =
-           "The smallest fragments are merged until all fragments together have at most this many triangles. A limit below the "
-           "triangle count of the uncut mesh has no effect. Pieces broken off by hits (`local_point`) do not count. 0: no limit."},
+           "The smallest fragments are merged until all together have at most this many triangles. 0: no limit."},
       [](auto& r) -> auto& { return r.fracture.size.max_triangles; }));
   rows.back().matters = [](const RequestParameters& r) { return r.fracture.size.max_triangles > 0; };
 }
@@ -137,8 +130,8 @@ ParameterSpec levels_row(std::uint32_t max_sites) {
       .min = 1,
       .max = max_sites,
       .doc =
-          "Number of pieces in each of up to eight levels of a hierarchy, coarsest level first. Use `levels` instead of `sites`: "
-          "the last number is the number of sites. The pieces of the other levels are clusters of fragments."};
+          "Number of pieces in each of up to eight levels of a hierarchy, coarsest first. The last number replaces `sites`. "
+          "The pieces of other levels are clusters of fragments."};
   spec.patterns = patterns_that(&PatternTraits::counted);
   spec.check = [](const ParameterValue& value) -> std::optional<std::string> {
     const auto& levels = std::get<std::vector<std::uint64_t>>(value);
@@ -189,8 +182,7 @@ void add_keep_rows(std::vector<ParameterSpec>& rows) {
        .low = -kFarPlace,
        .high = kFarPlace,
        .doc =
-           "Centre of a sphere in which nothing is cut. Outside it, the mesh breaks as usual, and the sphere is a cut made of 92 "
-           "flat facets. Requires `keep_radius`."},
+           "Centre of a sphere in which nothing is cut. The sphere is a cut of 92 flat facets. Requires `keep_radius`."},
       [](auto& r) -> auto& { return r.keep_center; }));
   rows.push_back(with_member(
       {.name = "keep_radius",
@@ -198,12 +190,12 @@ void add_keep_rows(std::vector<ParameterSpec>& rows) {
        .unit = "m",
        .low = kLeastLength,
        .high = kFar,
-       .doc = "Radius of the sphere in which nothing is cut. Requires `keep_center`."},
+       .doc = "Radius of the sphere around `keep_center` in which nothing is cut."},
       [](auto& r) -> auto& { return r.keep_radius; }));
   ParameterSpec box = box_row(
       "keep_box",
-      "Lowest and highest corners of a box in which nothing is cut. Outside it, the mesh breaks as usual, and the box's sides are "
-      "flat cuts. Use it instead of `keep_center` and `keep_radius`.");
+      "Lowest and highest corners of a box in which nothing is cut, instead of `keep_center` and `keep_radius`. Its sides are "
+      "flat cuts.");
   box.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
     const auto& corners = std::get<std::vector<Vec3d>>(value);
     r.fracture.keep = Region{.shape = Region::Shape::kBox, .box = {corners[0], corners[1]}};
@@ -225,8 +217,8 @@ void add_anchor_rows(std::vector<ParameterSpec>& rows) {
       .low = -kFarPlace,
       .high = kFarPlace,
       .doc =
-          "A point on a plane, and the plane's normal. Fragments that touch the plane or extend behind it are anchored, so they do "
-          "not fall. `0,0,0;0,1,0` is the ground at height 0."};
+          "A point on a plane, and the plane's normal. Fragments that touch the plane or extend behind it are anchored. "
+          "`0,0,0;0,1,0` is the ground at height 0."};
   plane.check = [](const ParameterValue& value) -> std::optional<std::string> {
     if (length(std::get<std::vector<Vec3d>>(value)[1]) > 1e-9) return std::nullopt;
     return "have a normal that is not zero";
@@ -240,8 +232,8 @@ void add_anchor_rows(std::vector<ParameterSpec>& rows) {
     return vectors({r.fracture.anchors.planes[0].point, r.fracture.anchors.planes[0].normal});
   };
   rows.push_back(std::move(plane));
-  ParameterSpec box = box_row(
-      "anchor_box", "Lowest and highest corners of a box. Fragments that overlap the box are anchored.");
+  ParameterSpec box =
+      box_row("anchor_box", "Lowest and highest corners of a box. Fragments that overlap it are anchored.");
   box.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
     const auto& corners = std::get<std::vector<Vec3d>>(value);
     r.fracture.anchors.boxes = {{corners[0], corners[1]}};
@@ -268,17 +260,14 @@ void add_anchor_rows(std::vector<ParameterSpec>& rows) {
        .unit = "m/s²",
        .low = -1000,
        .high = 1000,
-       .doc =
-           "Gravitational acceleration for the support analysis, which is part of every answer with anchors."},
+       .doc = "Gravitational acceleration for `report.support`."},
       [](auto& r) -> auto& { return r.gravity; }));
   rows.push_back(with_member(
       {.name = "broken",
        .type = Type::kIntegers,
        .min = 0,
        .max = kMaxSeed,
-       .doc =
-           "IDs of fragments that no longer exist. `report.support` shows what would fall without these fragments. Requires "
-           "anchors."},
+       .doc = "IDs of missing fragments. `report.support` shows what falls without them. Requires anchors."},
       [](auto& r) -> auto& { return r.broken; }));
   only_where(rows, support, [](const RequestParameters& r) { return r.fracture.anchors.any(); });
 }
@@ -291,22 +280,22 @@ void add_again_rows(std::vector<ParameterSpec>& rows) {
        .min = 0,
        .max = kMaxSeed,
        .doc =
-           "ID of a fragment to break again. The ID is from the answer to the same request without `fragment`. The new answer "
-           "contains only the pieces of this fragment."},
+           "ID of a fragment to break again, from the answer to the same request without `fragment`. The new answer contains "
+           "only its pieces."},
       [](auto& r) -> auto& { return r.fragment; }));
   rows.push_back(with_member(
       {.name = "fragment_sites",
        .type = Type::kInteger,
        .min = 1,
        .max = 10'000,
-       .doc = "Number of sites used to break `fragment`."},
+       .doc = "Number of sites in `fragment`."},
       [](auto& r) -> auto& { return r.fragment_sites; }));
   rows.push_back(with_member(
       {.name = "fragment_seed",
        .type = Type::kInteger,
        .min = 0,
        .max = kMaxSeed,
-       .doc = "Seed for the sites used to break `fragment`."},
+       .doc = "Seed for the sites in `fragment`."},
       [](auto& r) -> auto& { return r.fragment_seed; }));
   only_where(rows, first, [](const RequestParameters& r) { return r.fragment.has_value(); });
 }

@@ -32,7 +32,7 @@ FIRST = ["material", "fragments", "seed", "impacts", "unit"]
 COSTS = {
     "pattern=uniform": 1.0, "pattern=points": 1.0, "pattern=impact": 1.0, "pattern=radial": 1.2, "pattern=grid": 1.5,
     "pattern=brick": 2.1, "pattern=slice": 2.0, "pattern=clustered": 1.0,
-    "lloyd=1": 1.1, "levels=5,20,50": 1.0, "rough_amplitude=0.05": 2.2, "dual=barycenter": 2.0, "physics=none": 0.9,
+    "rough_amplitude=0.05": 2.2, "dual=barycenter": 2.0,
     "sites=500": 3.4, "sites=5000": 25.9, "cells_per_fragment=6": 2.0,
     "shell_fraction=0.05": 32.8,
 }
@@ -76,7 +76,7 @@ def number(value):
     if isinstance(value, float) and value == int(value) and abs(value) < 1e6:
         return str(int(value))
     if value == 2 ** 53 - 1:
-        return "2^53 - 1"
+        return "2^53-1"
     return re.sub(r"e([+-])0*", lambda e: "e" + e[1].strip("+"), f"{value:g}") if isinstance(value, float) else str(value)
 
 
@@ -104,12 +104,12 @@ def described_choices(spec):
 
 
 def kind(spec):
-    """Returns a parameter's type and range in words."""
+    """Returns a parameter's type and range in words; "" if its choices are listed."""
     text = spec.get("text", "")
     if "enum" in spec:
-        said = "Choice"
-        if len(described_choices(spec)[1]) < len(spec["enum"]) - 1:
-            said += ": " + " ".join(f"`{choice}`" for choice in spec["enum"])
+        if len(described_choices(spec)[1]) >= len(spec["enum"]) - 1:
+            return ""  # a list of the choices follows
+        said = "Choice: " + " ".join(f"`{choice}`" for choice in spec["enum"])
     elif spec["type"] in ("integer", "number"):
         said = f"{spec['type'].capitalize()}, {span(spec)}"
     elif spec["name"] == "assign":
@@ -148,7 +148,8 @@ def section(spec, patterns):
     facts.append(with_patterns(spec, patterns))
     yield f"### `{spec['name']}`"
     yield ""
-    yield from wrapped("; ".join(filter(None, facts)) + ".")
+    line = "; ".join(filter(None, facts)) + "."
+    yield from wrapped(line[0].upper() + line[1:])
     yield ""
     words, choices = described_choices(spec) if "enum" in spec else (spec["description"], {})
     if words:
@@ -172,20 +173,19 @@ def costs(patterns):
     def of(*requests):
         return "; ".join(f"{COSTS[request]:g}" for request in requests)
     yield from wrapped(
-        "The costs are processor instructions per answer, relative to `pattern=uniform` with 50 sites on a mesh of 4,000 triangles. A hit with "
-        "`delta` costs less than a whole answer.")
+        "Processor instructions per answer, relative to `pattern=uniform` with 50 sites on a mesh of 4,000 triangles. A hit with `delta` costs "
+        "less.")
     yield ""
     yield "| request | cost |"
     yield "|---|---|"
     yield "| `pattern` | " + by_cost({name: COSTS[f"pattern={name}"] for name in (entry["name"] for entry in patterns["patterns"])}) + " |"
     yield f"| `brick` on a wall, six bricks per piece | {COST_ON_A_WALL} |"
     yield "| `material` (no walls) | " + by_cost({entry["name"]: entry["cost"] for entry in patterns["materials"]}) + " |"
-    yield f"| walls (`shell`, `shell_fraction`), only when a mesh is prepared | {of('shell_fraction=0.05')} |"
+    yield f"| walls, only when a mesh is prepared | {of('shell_fraction=0.05')} |"
     yield f"| 500 sites; 5,000 sites | {of('sites=500', 'sites=5000')} |"
-    yield f"| `rough_amplitude=0.05` (finer octaves cost more) | {of('rough_amplitude=0.05')} |"
+    yield f"| `rough_amplitude=0.05` | {of('rough_amplitude=0.05')} |"
     yield f"| `cells_per_fragment=6` with flat cuts | {of('cells_per_fragment=6')} |"
     yield f"| `dual=barycenter` | {of('dual=barycenter')} |"
-    yield f"| `lloyd=1`; `levels=5,20,50`; `physics=none` | {of('lloyd=1', 'levels=5,20,50', 'physics=none')} |"
     yield ""
 
 
@@ -202,22 +202,11 @@ def pattern_rows(patterns):
 
 
 def material_rows(materials):
-    yield "| | `material` | how it breaks | typical uses |"
-    yield "|---|---|---|---|"
+    yield "| | `material` | `pattern` | how it breaks | typical uses |"
+    yield "|---|---|---|---|---|"
     for entry in materials:
         name = entry["name"]
-        yield f"| ![{name}](pictures/material_{name}.png) | `{name}` | {entry['description']} | {entry['use']} |"
-    yield ""
-
-
-def material_values(materials):
-    values = {entry["name"]: {key: shown(value) for key, value in entry["parameters"].items()} for entry in materials}
-    shared = set.intersection(*(set(own.items()) for own in values.values()))
-    yield from wrapped("Every material sets " + " and ".join(f"`{key}={value}`" for key, value in sorted(shared)) + ". In addition:")
-    yield ""
-    for name, own in values.items():
-        ordered = sorted(own.items(), key=lambda item: (item[0] != "pattern", item[0]))
-        yield from wrapped(f"- `{name}`: " + ", ".join(f"`{key}={value}`" for key, value in ordered if (key, value) not in shared), "  ")
+        yield f"| ![{name}](pictures/material_{name}.png) | `{name}` | `{entry['parameters']['pattern']}` | {entry['description']} | {entry['use']} |"
     yield ""
 
 
@@ -234,7 +223,7 @@ def check_tables(patterns):
 def head(title):
     yield f"# {title}"
     yield ""
-    yield "<!-- Written by scripts/lib/parameters_page.py from the server's tables; the test parameters_page compares them. -->"
+    yield "<!-- scripts/lib/parameters_page.py writes this page from the server's tables. -->"
     yield ""
 
 
@@ -245,24 +234,18 @@ def parameters_page(limits, patterns):
     yield from wrapped(
         "This page is for people who choose parameters. Pass them in the query (`?fragments=80&seed=7`), in a form, in JSON "
         "(`{\"fragments\": 80, \"seed\": 7}`), or as flags of `fracture-server bake` (`--fragments 80`). Lengths are in metres, and y is up. A "
-        "server refuses unknown parameters, repeated parameters, and parameters that belong to another pattern. Programs get the "
-        "same information from `GET /limits` and `GET /patterns`. See also [Requests and answers](interface.md).")
+        "server refuses unknown and repeated parameters, and parameters of another pattern. [openapi.yaml](openapi.yaml) has more details. "
+        "Programs get this information from `GET /limits` and `GET /patterns`. See also [Requests and answers](interface.md).")
     yield ""
-    yield "| type | in a query or flag | in JSON |"
-    yield "|---|---|---|"
-    yield "| vector | `x,y,z` | `[x, y, z]` |"
-    yield "| vectors | `x,y,z;x,y,z` | `[[x, y, z], [x, y, z]]` |"
-    yield "| matrix | `a,b,c;d,e,f;g,h,i` | `[[a, b, c], [d, e, f], [g, h, i]]` |"
-    yield "| list | `a,b,c` | `[a, b, c]` |"
-    yield "| colour | `#rrggbb` (in a query `%23rrggbb`) | `\"#rrggbb\"` |"
+    yield from wrapped(
+        "A vector or a list is `x,y,z`. Several vectors, or the rows of a matrix, are `x,y,z;x,y,z`. In JSON, they are arrays. A colour is "
+        "`#rrggbb` (in a query `%23rrggbb`).")
     yield ""
     yield "## Choose parameters"
     yield ""
     yield from wrapped("Start with " + ", ".join(f"[`{name}`](#{name})" for name in FIRST[:-1]) + f" and [`{FIRST[-1]}`](#{FIRST[-1]}). "
-                       "All other parameters can keep their defaults.")
-    yield ""
-    yield from wrapped("To break a mesh at a hit, use `impacts` or `local_point` ([examples](guides/more-pieces-where-it-is-hit.md)). No parameter "
-                       "selects an older algorithm version ([keep an older version](guides/upgrade-one-server.md#keep-the-old-algorithm-version)).")
+                       "No parameter selects an older algorithm version "
+                       "([keep one](guides/upgrade-one-server.md#keep-the-old-algorithm-version)).")
     yield ""
     yield "## Cost"
     yield ""
@@ -279,8 +262,8 @@ def parameters_page(limits, patterns):
 
 def materials_page(patterns):
     yield from head("Patterns and materials")
-    yield from wrapped("This page is for people who choose a pattern or a material. In the pictures, each fragment has its own colour, and the "
-                       "fragments are pulled apart. See also [Parameters](parameters.md) and their [costs](parameters.md#cost).")
+    yield from wrapped("This page is for people who choose a pattern or a material. See also "
+                       "[Parameters](parameters.md) and their [costs](parameters.md#cost).")
     yield ""
     yield "## Patterns"
     yield ""
@@ -290,8 +273,8 @@ def materials_page(patterns):
     yield from material_rows(patterns["materials"])
     yield "## Values of each material"
     yield ""
-    yield from material_values(patterns["materials"])
-    yield "`GET /patterns` states the literature on how each material breaks (`mechanics`), and the sources of its physical values (`source`)."
+    yield from wrapped("`GET /patterns` states the values that each material sets (`parameters`), their sources (`source`), and the literature "
+                       "on how it breaks (`mechanics`).")
     yield ""
 
 
@@ -310,7 +293,7 @@ def measure(program):
         key, value = name.split("=")
         if name == "pattern=points":
             continue  # costs as much as uniform, because only the sites differ
-        flags = [f"--{key.replace('_', '-')}", value] + ([] if key in ("sites", "levels") else ["--sites", "50"])
+        flags = [f"--{key.replace('_', '-')}", value] + ([] if key == "sites" else ["--sites", "50"])
         flags += ["--shell", "0"] if key == "material" else []
         with tempfile.TemporaryDirectory() as folder:
             done = subprocess.run(["valgrind", "--tool=callgrind", "--callgrind-out-file=/dev/null", program, "bake", MONKEY, "-o",
