@@ -270,7 +270,7 @@ class FragmentReader {
                 .strength = number(strength[k], "bonds.strength"),
                 .normal = vector(normal[k], "bonds.normal"),
                 .center = place + glm::dvec3(above.t.x, above.t.y, above.t.z)};
-      if (ends.back().a == ends.back().b) malformed("A bond connects a fragment with itself.");
+      if (ends.back().a == ends.back().b) malformed("A bond connects a fragment to itself.");
       if (bond.area < 0 || bond.strength < 0) malformed("A bond's area and strength must be 0 or more.");
       const double length = glm::length(bond.normal);
       bond.normal = length > 1e-9 ? bond.normal / length : glm::dvec3(0);

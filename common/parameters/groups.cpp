@@ -162,7 +162,7 @@ constexpr ParameterGroup kGroups[] = {
     {"Appearance of the outside", "", kOutside},
     {"Appearance of the cuts", "", kInside},
     {"Physics and engines", "", kPhysics},
-    {"Barycentric cells", "The cells of the paper that this project started from.", kBarycentric},
+    {"Barycentric cells", "Cells as defined in the paper that this project started from.", kBarycentric},
 };
 
 }  // namespace

@@ -128,7 +128,8 @@ std::vector<ParameterSpec> hit_parameter_rows() {
        .type = Type::kInteger,
        .min = 1,
        .max = kMostHits,
-       .doc = "Number of new hits, at the end of `local_point`. Only with `delta` and without `of`."},
+       .doc =
+           "How many of the last points in `local_point` are new hits. Only with `delta` and without `of`."},
       [](auto& r) -> auto& { return r.local_new; }));
   rows[rows.size() - 2].matters = [](const RequestParameters& r) { return r.delta != DeltaAnswer::kNone; };
   rows.back().matters = [](const RequestParameters& r) {

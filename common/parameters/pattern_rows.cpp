@@ -36,8 +36,8 @@ std::vector<ParameterSpec> pattern_parameter_rows(std::uint32_t max_sites) {
            "Points where the mesh is hit, measured from the file's origin. The whole mesh breaks, with the smallest pieces "
            "there; `local_point` breaks only the area around a hit. `radial`: the first point is the centre of the rings. "
            "`brick`: bricks at a point are crushed; without points, none. Points far outside the mesh are moved to its "
-           "surface, with a warning. Default: the centre of the bounding box. Without `pattern`, `uniform` and `clustered` "
-           "become `impact`."}));
+           "surface, with a warning. Default: the centre of the bounding box. If no `pattern` is given, "
+           "`impact` replaces `uniform` and `clustered`."}));
   rows.push_back(with_pattern_member<&ImpactPattern::radius, &ClusteredPattern::radius>(
       {.name = "radius",
        .type = Type::kNumber,
@@ -91,7 +91,7 @@ std::vector<ParameterSpec> pattern_parameter_rows(std::uint32_t max_sites) {
        .min = 3,
        .max = 720,
        .doc =
-           "Number of spokes. Default: enough for about `sites` pieces, but at least 14 (6 in all directions)."}));
+           "Number of spokes. Default: enough for about `sites` pieces, but at least 14, or 6 if spokes run in all directions."}));
   rows.push_back(with_pattern_member<&RadialPattern::rings>(
       {.name = "rings",
        .type = Type::kInteger,

@@ -132,7 +132,7 @@ void add_interior_rows(std::vector<ParameterSpec>& rows) {
        .low = 0,
        .high = 1,
        .doc =
-           "Share of the surface's colour in the cut faces' colour. Above 0, it replaces their texture. Default: the value of "
+           "Share of the surface's colour in the cut faces' colour. Above 0, this colour replaces the texture of cut faces. Default: the value of "
            "`material`, or 1; with `interior_color` or `interior_material`, 0."},
       [](auto& r) -> auto& { return r.interior.mix; }));
   rows.push_back(with_member(
@@ -156,9 +156,8 @@ void add_interior_rows(std::vector<ParameterSpec>& rows) {
        .type = Type::kNumber,
        .low = 0,
        .high = 1,
-       .doc =
-           "Fragments smaller than this fraction of the mean volume (by `fragments` or `sites`) get white, opaque cut faces, "
-           "like crushed ice."},
+       .doc = "Fragments smaller than this fraction of the mean volume (that of the mesh "
+              "divided by `fragments` or `sites`) get white, opaque cut faces, like crushed ice."},
       [](auto& r) -> auto& { return r.interior.crushed; });
   crushed.matters = [](const RequestParameters& r) { return r.interior.crushed > 0; };
   rows.push_back(std::move(crushed));

@@ -28,8 +28,8 @@ std::vector<ParameterSpec> solid_parameter_rows() {
        .type = Type::kChoice,
        .choices = {"attach", "whole", "solid", "drop"},
        .doc =
-           "Treatment of sheets: surfaces that bound no volume (panes, leaves, decals). `attach`: the same cells cut the "
-           "sheets; each fragment carries its share on a child node. `whole`: sheets stay whole, on separate nodes. `solid`: "
+           "Treatment of sheets: surfaces that bound no volume (panes, leaves, decals). `attach`: sheets are cut by the solid's cells; each "
+           "fragment carries its share on a child node. `whole`: sheets stay whole, on separate nodes. `solid`: "
            "sheets become slabs (`thickness`). `drop`: sheets are left out."},
       [](auto& r) -> auto& { return r.solid.sheets; });
   // With a thickness, sheets are slabs anyway.

@@ -65,8 +65,8 @@ ParameterSpec instances_row() {
        .doc =
            "How nodes of a glTF file that place the same mesh (by rotation, translation and uniform scale) are broken. `keep`: "
            "an instance no larger than the mean fragment stays whole unless it is joined to other parts, and the answer "
-           "contains the mesh once. `separate`: instances are parts like others, as with `parts=apart`, `pivot=source` or "
-           "`dual=barycenter`."},
+           "contains the mesh once. `separate`: instances are treated like other parts. "
+           "`parts=apart`, `pivot=source` and `dual=barycenter` do the same."},
       [](auto& r) -> auto& { return r.fracture.instances; });
   spec.matters = [](const RequestParameters& r) { return r.fracture.instances != InstanceUse::kKeep; };
   return spec;

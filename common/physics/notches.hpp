@@ -19,7 +19,7 @@ class NotchPlanes {
  public:
   struct Candidate {
     CutPlane plane;
-    double votes;  ///< share of the weights of all notches that belongs to notches near the plane
+    double votes;  ///< share of the total weight of notches that lies in notches near the plane
   };
 
   /// Returns at most `most` planes, by descending votes. Each notch votes for its three planes, with the product of its depth

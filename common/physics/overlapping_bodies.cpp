@@ -165,7 +165,7 @@ std::size_t frame_of(const CellMap& map, std::uint32_t part) {
   return static_cast<std::size_t>(&map.of_part(part) - map.frames().data());
 }
 
-/// Whether hulls may extend beyond the fragment's cells: those of a whole part in several cells (divided_hulls.hpp).
+/// Whether hulls may extend beyond the fragment's cells, as the hulls of a whole part in several cells do (divided_hulls.hpp).
 bool may_leave_its_cells(const Fragment& f) { return f.caps.empty() && f.bodies.size() > 1; }
 
 /// Index of the frame that contains all cells of a fragment; kNoIndex if there are several frames.

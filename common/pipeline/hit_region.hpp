@@ -21,8 +21,8 @@ namespace fracture {
 class HitRegion {
  public:
   /// `margin` (m): the cells end at this distance from the region, or a little farther. So no cut lies in the surface of a fragment
-  /// that was cut out for the region, and no site's rounding leads into the region. `seen`: through the map of the hit's cells,
-  /// which has one frame.
+  /// that was cut out for the region, and no site's rounding leads into the region. `seen`: the solid through the map of the hit's cells.
+  /// This map has a single frame.
   HitRegion(const Region& region, double margin, const SeenSolid& seen);
 
   /// Whether a point of the region may be within `radius` of `center` (both in the image).

@@ -7,8 +7,8 @@
 
 namespace fracture {
 
-/// Makes the report, except for members that the pipeline does not know (Report::frame, passed_through). `cut` may have lost
-/// its set. `anchored`: number of anchored fragments; empty if not requested, or if the set is only part of the answer.
+/// Makes the report, except for members that the pipeline does not know (Report::frame, passed_through). The set of
+/// `cut` may already have been moved out. `anchored`: number of anchored fragments; empty if not requested, or if the set is only part of the answer.
 /// `hulls`: of the set's fragments. `rest`: of all fragments. Throws Interrupted.
 Report make_report(const Solid& solid, const SiteNotes& sites, const FractureParameters& parameters,
                    const CutCells& cut, std::optional<std::uint32_t> anchored, const HullReport& hulls,

@@ -206,7 +206,7 @@ Expected<std::vector<std::uint32_t>> divide_into_parts(const Mesh& mesh, const E
   if (inside_out == 0) return part_of_shell;
   if (options.repair == Repair::kStrict) {
     report.flipped = inside_out;
-    return refuse("The mesh is closed but inside out, and repair=strict turns no triangles: " +
+    return refuse("The mesh is closed but inside out, and repair=strict does not flip triangles: " +
                       counted(inside_out, "triangle faces", "triangles face") + " inwards.",
                   faults, report);
   }

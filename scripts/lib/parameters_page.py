@@ -202,11 +202,22 @@ def pattern_rows(patterns):
 
 
 def material_rows(materials):
-    yield "| | `material` | `pattern` | how it breaks | typical uses |"
-    yield "|---|---|---|---|---|"
+    yield "| | `material` | how it breaks | typical uses |"
+    yield "|---|---|---|---|"
     for entry in materials:
         name = entry["name"]
-        yield f"| ![{name}](pictures/material_{name}.png) | `{name}` | `{entry['parameters']['pattern']}` | {entry['description']} | {entry['use']} |"
+        yield f"| ![{name}](pictures/material_{name}.png) | `{name}` | {entry['description']} | {entry['use']} |"
+    yield ""
+
+
+def material_values(materials):
+    values = {entry["name"]: {key: shown(value) for key, value in entry["parameters"].items()} for entry in materials}
+    shared = set.intersection(*(set(own.items()) for own in values.values()))
+    yield from wrapped("Every material sets " + " and ".join(f"`{key}={value}`" for key, value in sorted(shared)) + ". In addition:")
+    yield ""
+    for name, own in values.items():
+        ordered = sorted(own.items(), key=lambda item: (item[0] != "pattern", item[0]))
+        yield from wrapped(f"- `{name}`: " + ", ".join(f"`{key}={value}`" for key, value in ordered if (key, value) not in shared), "  ")
     yield ""
 
 
@@ -273,8 +284,8 @@ def materials_page(patterns):
     yield from material_rows(patterns["materials"])
     yield "## Values of each material"
     yield ""
-    yield from wrapped("`GET /patterns` states the values that each material sets (`parameters`), their sources (`source`), and the literature "
-                       "on how it breaks (`mechanics`).")
+    yield from material_values(patterns["materials"])
+    yield from wrapped("`GET /patterns` also states their sources (`source`), and the literature on how each material breaks (`mechanics`).")
     yield ""
 
 

@@ -287,15 +287,16 @@ std::string html_report(const HtmlHead& head, const std::vector<json>& lines) {
     page += "<p class=\"bad\">Stopped: " + with_thin_spaces(head.jobs - std::min(head.jobs, lines.size())) +
             " jobs were not done. To continue, run the same command again.</p>\n";
   if (!head.no_pictures.empty()) page += "<p>No pictures were drawn: " + as_html(head.no_pictures) + "</p>\n";
-  page += "<dl>\n" + figure("Jobs", with_thin_spaces(head.jobs)) + figure("Made", with_thin_spaces(made.size()));
+  page +=
+      "<dl>\n" + figure("Jobs", with_thin_spaces(head.jobs)) + figure("Made", with_thin_spaces(made.size()));
   if (head.kept > 0) page += figure("Kept from an earlier run", with_thin_spaces(head.kept));
   if (totals.refused > 0)
     page += figure("Refused", "<a href=\"#not-made\">" + with_thin_spaces(totals.refused) + "</a>", "bad");
   if (totals.failed > 0)
     page += figure("Failed", "<a href=\"#not-made\">" + with_thin_spaces(totals.failed) + "</a>", "bad");
   if (totals.warned > 0) page += figure("With warnings", with_thin_spaces(totals.warned), "warn");
-  page += figure("Fragments", with_thin_spaces(totals.fragments)) + figure("Output size", in_bytes(totals.bytes)) +
-          figure("Time of this run", in_time(head.seconds)) +
+  page += figure("Fragments", with_thin_spaces(totals.fragments)) +
+          figure("Output size", in_bytes(totals.bytes)) + figure("Time of this run", in_time(head.seconds)) +
           figure("Total time of all meshes", in_time(totals.seconds)) + "</dl>\n";
   if (!not_made.empty()) {
     page +=

@@ -77,7 +77,7 @@ Problem to_problem(Error error) {
   if (error.retry_after.count() > 0)
     problem.headers.emplace_back("Retry-After", std::to_string(error.retry_after.count()));
   if (error.code == ErrorCode::kInternal)
-    problem.detail = "This is a bug of the server, not of the request. Please report it with the request_id.";
+    problem.detail = "This is a bug in the server, not in the request. Please report it with the request_id.";
   return problem;
 }
 

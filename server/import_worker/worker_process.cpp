@@ -59,8 +59,8 @@ std::chrono::microseconds processor_time_of(const rusage& used) {
 
 Error no_room_to_read(const std::string& why) {
   return {.code = ErrorCode::kOverloaded,
-          .detail =
-              "For now, the process that reads the file cannot run: " + why + ". The file is not the cause.",
+          .detail = "The process that reads the file cannot run at the moment: " + why +
+                    ". The file is not the cause.",
           .retry_after = std::chrono::seconds(5)};
 }
 

@@ -67,7 +67,7 @@ def glb_of_box():
         normal = [along[1] * up[2] - along[2] * up[1], along[2] * up[0] - along[0] * up[2], along[0] * up[1] - along[1] * up[0]]
 
         def unit(vector):
-            # The sides of a box are parallel to an axis, so one component is the whole length.
+            # Each edge of a box is parallel to an axis, so one component is its whole length.
             return [0.0 if not c else math.copysign(1.0, c) for c in vector]
 
         first = len(attributes["POSITION"][1])

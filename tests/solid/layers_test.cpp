@@ -78,7 +78,7 @@ TEST(Layers, NoPartsHaveNone) {
   EXPECT_EQ(assign_layers(parts, {}), 0u);
 }
 
-// -- work, in polls; a poll counts for some thousand steps
+// -- work, in polls; a poll counts as a few thousand steps
 
 /// side × side bricks in a wall across x. So all of them overlap in x and none touch.
 std::vector<Box> wall(int side) {

@@ -20,7 +20,7 @@ class Turn:
                      (2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)))
 
     def attribute(self, semantic: str, data: memoryview, kind: str, width: int) -> Array:
-        """Returns a rotated copy of positions (scaled, too), normals or tangents. Other attributes stay as they are."""
+        """Returns a rotated copy of positions, normals or tangents; positions are also scaled. Other attributes stay as they are."""
         if semantic not in ("POSITION", "NORMAL", "TANGENT"):
             return as_array(data, kind, width)
         scale = self.scale if semantic == "POSITION" else 1.0

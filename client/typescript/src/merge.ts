@@ -26,7 +26,7 @@ function uniqueName(name: string, taken: Set<string>): string {
   return unique;
 }
 
-/** Returns the number of bytes for the name of a fragment, and the number of digits for those of hulls. The names of its hulls, colliders
+/** Returns the maximum number of bytes of a fragment's name, and the number of digits in the names of its hulls. The names of its hulls, colliders
  *  and sheets, which are longer, have at most 63 bytes. */
 function nameRoom(sources: Source[]): { room: number; digits: number } {
   const most = sources.reduce((sum, source) => Math.max(sum, hullsOf(source).length), 0), digits = Math.max(2, String(most - 1).length);

@@ -5,7 +5,7 @@ Two names use one server with two computing threads. `quiet` fractures a stored 
 game does on collisions. `greedy` sends requests at ten times its share (ten requests a second, two
 computations at the same time), half of them realtime, half of them batch with four times the sites. Rounds of
 `quiet` alone and of both alternate, so that other work on the machine affects both. Prints the latencies of
-`quiet` (p50, p99, worst), the quotient of the p99s and the number of failures.
+`quiet` (p50, p99, worst), the ratio of the p99s and the number of failures.
 """
 import hashlib
 import http.client

@@ -27,7 +27,8 @@ TEST(BakeFailure, TheRefusalOfAServerIsTheErrorThatItNames) {
 }
 
 TEST(BakeFailure, WhatNoPipelineSaysKeepsTheWordsOfTheServer) {
-  const Error error = to_error(413, problem_document("/problems/body-too-large", "The body is over the limit"));
+  const Error error =
+      to_error(413, problem_document("/problems/body-too-large", "The body is over the limit"));
   EXPECT_EQ(error.code, ErrorCode::kRefusedByServer);
   EXPECT_EQ(to_problem(error), (json{{"type", "/problems/body-too-large"},
                                      {"title", "The body is over the limit"},

@@ -179,7 +179,8 @@ TEST(ImportPool, AnImportStandsStillWithItsComputation) {
   for (int k = 0; k < 3; ++k) EXPECT_TRUE(read_for(pool, other)) << "its place is free";
   const pid_t reader = pool.pids().front();
   // The kernel stops a process some time after it takes the signal, so the state changes later than the pool's counters.
-  EXPECT_TRUE(eventually(kPatience, "the signal to stop the worker", [&] { return state_of(reader) == "T"; }));
+  EXPECT_TRUE(
+      eventually(kPatience, "the signal to stop the worker", [&] { return state_of(reader) == "T"; }));
   turn.stands = false;
   EXPECT_TRUE(are(pool, 1, 0));
   stop.request_stop();
