@@ -1,8 +1,5 @@
 #include "server/cache/disk_cache.hpp"
 
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <sys/uio.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -12,7 +9,7 @@
 #include <utility>
 
 #include "common/base/atomic_file.hpp"
-#include "common/base/descriptor.hpp"
+#include "server/cache/stored_file.hpp"
 
 namespace fracture {
 namespace {
@@ -25,20 +22,6 @@ bool is_key(std::string_view key) {
   return key.size() >= 4 && key.size() <= 128 && std::all_of(key.begin(), key.end(), [](char c) {
            return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f');
          });
-}
-
-/// Returns the first `size` bytes of the file, or fewer if it has become shorter. Returns nothing if it cannot be read; errno
-/// gives the reason.
-std::optional<std::vector<std::uint8_t>> read_bytes(int file, std::uint64_t size) {
-  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(size));
-  for (std::size_t at = 0; at < bytes.size();) {
-    const ssize_t n = ::read(file, bytes.data() + at, bytes.size() - at);
-    if (n < 0 && errno == EINTR) continue;
-    if (n < 0) return std::nullopt;
-    if (n == 0) bytes.resize(at);
-    at += static_cast<std::size_t>(n);
-  }
-  return bytes;
 }
 
 }  // namespace
@@ -67,12 +50,14 @@ Expected<bool> DiskCache::take() {
 void DiskCache::learn_what_is_there() {
   const std::lock_guard lock(mutex_);
   files_.clear();
+  pinned_.clear();
   index_.clear();
-  figures_.bytes = 0;
+  figures_.bytes = pinned_bytes_ = 0;
   std::vector<std::pair<fs::file_time_type, File>> found;
   for (const fs::directory_entry& sub : fs::directory_iterator(folder_)) {
     const std::string prefix = sub.path().filename();
-    if (prefix.size() != 2 || !sub.is_directory()) continue;
+    std::error_code unknown;
+    if (prefix.size() != 2 || !sub.is_directory(unknown)) continue;
     for (const fs::directory_entry& file : fs::directory_iterator(sub)) {
       const std::string key = file.path().filename();
       std::error_code gone;
@@ -85,12 +70,17 @@ void DiskCache::learn_what_is_there() {
     }
   }
   std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
-  for (auto& [time, file] : found) {
-    figures_.bytes += file.size;
-    files_.push_back(std::move(file));
-    index_.emplace(files_.back().key, std::prev(files_.end()));
-  }
-  make_room(0);  // the budget may be smaller than before
+  // If they exceed the budget, which may be smaller than before, the next insert() evicts them: by then, pins are known.
+  for (auto at = found.rbegin(); at != found.rend(); ++at) add(std::move(at->second));
+}
+
+void DiskCache::add(File file) {
+  std::list<File>& list = list_of(file.key);
+  list.push_front(std::move(file));
+  const File& added = list.front();
+  index_.emplace(added.key, list.begin());
+  figures_.bytes += added.size;
+  if (&list == &pinned_) pinned_bytes_ += added.size;
 }
 
 std::optional<std::uint64_t> DiskCache::size_of(const std::string& key) const {
@@ -109,24 +99,25 @@ std::optional<StoredEntry> DiskCache::find(const std::string& key) {
       ++figures_.misses;
       return std::nullopt;
     }
-    files_.splice(files_.begin(), files_, at->second);
+    std::list<File>& list = list_of(key);
+    list.splice(list.begin(), list, at->second);
     size = at->second->size;
   }
   errno = 0;
-  const Descriptor file(::open(path_of(key).c_str(), O_RDONLY | O_CLOEXEC));
+  const std::optional<StoredFile> file = open_stored(path_of(key));
   const bool gone = !file && errno == ENOENT;
-  struct stat status {};
   std::optional<std::vector<std::uint8_t>> bytes;
+  if (!file && errno == EINVAL) bytes.emplace();  // not a file, so it is damaged
   // The whole file is read only if the file, the index and the entry's header agree on the size. A file that has become longer
   // is damaged (a sparse file may claim terabytes).
-  if (file && ::fstat(file.get(), &status) == 0) {
+  if (file) {
     const std::size_t signature = keys_.empty() ? 0 : FarmKeys::kHead;
-    bytes = read_bytes(file.get(), std::min<std::uint64_t>(signature + kEntryHeader, size));
-    if (bytes && (static_cast<std::uint64_t>(status.st_size) != size || bytes->size() < signature ||
+    bytes = read_bytes(*file, std::min<std::uint64_t>(signature + kEntryHeader, size));
+    if (bytes && (file->size != size || bytes->size() < signature ||
                   size_of_entry(std::span(*bytes).subspan(signature)) != size - signature))
       bytes->clear();
     else if (bytes)
-      bytes = ::lseek(file.get(), 0, SEEK_SET) == 0 ? read_bytes(file.get(), size) : std::nullopt;
+      bytes = ::lseek(file->file.get(), 0, SEEK_SET) == 0 ? read_bytes(*file, size) : std::nullopt;
   }
   std::optional<StoredEntry> stored;
   if (bytes) {
@@ -153,13 +144,41 @@ void DiskCache::refuse(const std::string& key) {
   forget(key);
 }
 
-void DiskCache::make_room(std::uint64_t size) {
+bool DiskCache::pin(const std::string& key) {
+  const std::lock_guard lock(mutex_);
+  const auto at = index_.find(key);
+  if (++pins_[key] == 1 && at != index_.end()) {
+    pinned_.splice(pinned_.begin(), files_, at->second);
+    pinned_bytes_ += at->second->size;
+  }
+  return at != index_.end();
+}
+
+void DiskCache::unpin(const std::string& key) {
+  const std::lock_guard lock(mutex_);
+  const auto pins = pins_.find(key);
+  if (pins == pins_.end() || --pins->second > 0) return;
+  pins_.erase(pins);
+  const auto at = index_.find(key);
+  if (at == index_.end()) return;
+  files_.splice(files_.begin(), pinned_, at->second);
+  pinned_bytes_ -= at->second->size;
+}
+
+void DiskCache::keep_all(bool keep) {
+  const std::lock_guard lock(mutex_);
+  keeps_all_ = keep;
+}
+
+bool DiskCache::make_room(std::uint64_t size) {
+  if ((keeps_all_ ? figures_.bytes : pinned_bytes_) + size > budget_) return false;
   while (figures_.bytes + size > budget_ && !files_.empty()) {
     const std::string oldest = files_.back().key;
     ::unlink(path_of(oldest).c_str());
     forget(oldest);
     ++figures_.evictions;
   }
+  return true;
 }
 
 std::optional<CacheEntry> DiskCache::decoded(std::span<const std::uint8_t> file,
@@ -183,7 +202,7 @@ bool DiskCache::insert(const CacheEntry& entry) {
   {
     const std::lock_guard lock(mutex_);
     if (index_.count(key) > 0) return true;  // the key determines the bytes
-    make_room(size);
+    if (!make_room(size)) return false;
     temporary = folder_ + "/tmp/" + std::to_string(next_temporary_++);
   }
   if (!write(temporary, path_of(key), head, entry.payload)) {
@@ -194,9 +213,7 @@ bool DiskCache::insert(const CacheEntry& entry) {
   const std::lock_guard lock(mutex_);
   ++figures_.writes;
   if (index_.count(key) > 0) return true;  // another thread has written the same entry in the meantime
-  files_.push_front({key, size});
-  index_.emplace(key, files_.begin());
-  figures_.bytes += size;
+  add({key, size});
   return true;
 }
 
@@ -222,8 +239,10 @@ void DiskCache::quarantine(const std::string& key) {
 void DiskCache::forget(const std::string& key) {
   const auto at = index_.find(key);
   if (at == index_.end()) return;
+  std::list<File>& list = list_of(key);
   figures_.bytes -= at->second->size;
-  files_.erase(at->second);
+  if (&list == &pinned_) pinned_bytes_ -= at->second->size;
+  list.erase(at->second);
   index_.erase(at);
 }
 

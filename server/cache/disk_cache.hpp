@@ -45,8 +45,8 @@ struct DiskFigures {
 class DiskCache {
  public:
   /// Takes the folder, unless another server has it. When `budget` bytes are used up, the least recently used entries are
-  /// evicted. With keys, every entry is signed for the algorithm version (farm_keys.hpp), and an unsigned entry counts as
-  /// damaged.
+  /// evicted, except pinned ones. With keys, every entry is signed for the algorithm version (farm_keys.hpp), and an
+  /// unsigned entry counts as damaged.
   DiskCache(std::string folder, std::uint64_t budget, FarmKeys keys = {}, int algorithm = 0);
   DiskCache(const DiskCache&) = delete;
   DiskCache& operator=(const DiskCache&) = delete;
@@ -69,6 +69,17 @@ class DiskCache {
   /// Quarantines the entry with this key. For entries that are intact but have wrong content.
   void refuse(const std::string& key);
 
+  /// Protects the entry with this key from eviction, now or as soon as it is inserted, until as many calls of unpin().
+  /// Returns whether there is an entry. The caller keeps all pinned entries within most_pinned(), because others only have
+  /// what pins leave.
+  bool pin(const std::string& key);
+  void unpin(const std::string& key);
+  /// Half of the budget, in bytes.
+  std::uint64_t most_pinned() const { return budget_ / 2; }
+  /// While this is on, nothing is evicted, and only entries are inserted for which there is room. For the time until the
+  /// pins of an earlier process are known.
+  void keep_all(bool keep);
+
   DiskFigures figures() const;
 
  private:
@@ -82,8 +93,11 @@ class DiskCache {
   /// Returns the entry in a file's bytes; nothing if it is damaged, or not signed although keys are set.
   std::optional<CacheEntry> decoded(std::span<const std::uint8_t> file, const std::string& key) const;
   void learn_what_is_there();
-  /// Evicts entries until `size` more bytes fit into the budget.
-  void make_room(std::uint64_t size);
+  /// Evicts entries until `size` more bytes fit into the budget. Evicts nothing and returns false if they cannot fit.
+  bool make_room(std::uint64_t size);
+  /// Adds the most recently used entry.
+  void add(File file);
+  std::list<File>& list_of(const std::string& key) { return pins_.contains(key) ? pinned_ : files_; }
   void quarantine(const std::string& key);
   void forget(const std::string& key);
   bool write(const std::string& temporary, const std::string& path, std::string_view head,
@@ -97,7 +111,11 @@ class DiskCache {
   FolderLock lock_;
   std::atomic<bool> held_{false};
   mutable std::mutex mutex_;
-  std::list<File> files_;  // most recently used first
+  std::list<File> files_;                              // most recently used first
+  std::list<File> pinned_;                             // entries that are never evicted
+  std::unordered_map<std::string, std::size_t> pins_;  // pins of each key, even without an entry
+  std::uint64_t pinned_bytes_ = 0;
+  bool keeps_all_ = false;
   std::unordered_map<std::string, std::list<File>::iterator> index_;
   std::uint64_t next_temporary_ = 0;
   DiskFigures figures_;

@@ -16,8 +16,8 @@ namespace fracture {
 bool write_durably(const std::string& temporary, const std::string& path, std::string_view head,
                    std::span<const std::span<const std::byte>> parts);
 
-/// Reads a whole file. On failure returns nothing and sets errno, which is EFBIG if the file has more than
-/// `most` bytes.
+/// Reads a whole regular file (open_stored). On failure returns nothing and sets errno, which is EFBIG if the
+/// file has more than `most` bytes.
 std::optional<std::vector<std::uint8_t>> read_whole(const std::string& path, std::uint64_t most);
 
 }  // namespace fracture

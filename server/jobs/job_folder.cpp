@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cerrno>
 #include <filesystem>
-#include <set>
 #include <system_error>
 #include <utility>
 
@@ -34,7 +33,15 @@ std::vector<std::string> names_in(const std::string& folder) {
   return names;
 }
 
+/// Returns whether there is a regular file, and not a link, a FIFO or a folder.
+bool is_file(const std::string& path) {
+  std::error_code gone;
+  return fs::is_regular_file(fs::symlink_status(path, gone));
+}
+
+/// Returns 0 if there is no regular file.
 std::uint64_t size_of(const std::string& path) {
+  if (!is_file(path)) return 0;
   std::error_code gone;
   const std::uint64_t size = fs::file_size(path, gone);
   return gone ? 0 : size;
@@ -90,16 +97,14 @@ std::vector<JobFolder::Found> JobFolder::restore() {
       {
         const std::lock_guard lock(mutex_);
         take_place(*record, size_of(path(kRecords, id)), "");
-        if (open) meshes_[record->digest].written = fs::exists(path(kMeshes, record->digest));
+        if (open) meshes_[record->digest].written = is_file(path(kMeshes, record->digest));
       }
       record->parameters = nlohmann::json::object();
       found.push_back({std::move(*record), size_of(path(kBegun, id))});
     }
     if (all) {  // otherwise jobs left for a later start may need the files
-      for (const std::string& digest : names_in(config_.folder + "/" + kMeshes))
-        if (!needed.contains(digest)) ::unlink(path(kMeshes, digest).c_str());
-      for (const std::string& id : names_in(config_.folder + "/" + kBegun))
-        if (!known.contains(id)) ::unlink(path(kBegun, id).c_str());
+      keep_files(kMeshes, needed);
+      keep_files(kBegun, known);
     }
   } catch (const fs::filesystem_error&) {
     const std::lock_guard lock(mutex_);
@@ -108,6 +113,15 @@ std::vector<JobFolder::Found> JobFolder::restore() {
   std::sort(found.begin(), found.end(),
             [](const Found& a, const Found& b) { return a.record.created < b.record.created; });
   return found;
+}
+
+void JobFolder::keep_files(const char* kind, const std::set<std::string>& wanted) {
+  for (const std::string& name : names_in(config_.folder + "/" + kind)) {
+    if (!is_file(path(kind, name)))
+      put_aside(kind, name);
+    else if (!wanted.contains(name))
+      ::unlink(path(kind, name).c_str());
+  }
 }
 
 // -- space
@@ -308,7 +322,9 @@ void JobFolder::put_aside(const char* kind, const std::string& name) {
 }
 
 void JobFolder::begun(const std::string& id) noexcept {
-  const int file = ::open(path(kBegun, id).c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
+  // O_NONBLOCK: otherwise open() would wait for a reader of a FIFO.
+  const int file = ::open(path(kBegun, id).c_str(),
+                          O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0644);
   if (file < 0) return;
   if (::write(file, "x", 1) != 1) errno = 0;  // on failure, this attempt is not counted
   ::close(file);

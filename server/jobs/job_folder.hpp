@@ -15,6 +15,7 @@
 #include <map>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -124,6 +125,8 @@ class JobFolder {
   /// Returns nothing if the record is damaged or not signed, and moves it to quarantine.
   std::optional<JobRecord> get_record(const std::string& id);
   void put_aside(const char* kind, const std::string& name);
+  /// Deletes all files except the wanted ones, and puts aside everything that is not a file.
+  void keep_files(const char* kind, const std::set<std::string>& wanted);
   // The following functions need the lock.
   void take_place(const JobRecord& record, std::uint64_t record_bytes, const std::string& client);
   /// Returns the bytes of this client's jobs, counting each mesh once, including the mesh of the new job

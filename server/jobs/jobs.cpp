@@ -38,6 +38,7 @@ std::chrono::sys_time<std::chrono::microseconds> now() {
 
 Jobs::Jobs(Dispatcher& dispatcher, const JobsConfig& config) : dispatcher_(dispatcher), config_(config) {
   if (config_.folder.empty()) return;
+  dispatcher_.service().tiers().keep_all_on_disk(true);  // until take_folder() has pinned the results of jobs
   folder_ = std::make_unique<JobFolder>(
       JobFolderConfig{config_.folder, config_.max_disk_bytes, config_.keys, config_.max_jobs});
   if (const Expected<bool> taken = take_folder(); !taken) {

@@ -55,6 +55,7 @@ struct JobFigures {
   std::size_t waiting = 0;  ///< unfinished jobs that are on disk and not being computed
   std::size_t durable = 0;  ///< unfinished jobs that are on disk
   std::uint64_t result_bytes = 0;
+  std::uint64_t pinned_bytes = 0;  ///< results in the disk tier that are not evicted (ResultTiers::pin)
 };
 
 /// Thread-safe. A job is charged to its holder, the client that pays for it, whoever may see it. If a holder
@@ -170,14 +171,15 @@ class Jobs {
     std::optional<Terms> terms;  ///< terms of its last submission in this process; empty: not submitted
     /// Counted from the first attempt in this process, whether the job computes or waits.
     std::optional<Clock::time_point> deadline;
-    std::uint64_t refused_in = 0;   ///< last pass of pump() in which it was refused
-    std::uint64_t least_bytes = 0;  ///< working memory that it needs; set when it ran out of memory
-    bool suspended = false;         ///< stopped by stop(), to continue later
+    std::uint64_t refused_in = 0;    ///< last pass of pump() in which it was refused
+    std::uint64_t least_bytes = 0;   ///< working memory that it needs; set when it ran out of memory
+    bool suspended = false;          ///< stopped by stop(), to continue later
+    std::uint64_t pinned_bytes = 0;  ///< of its result in the disk tier; 0: not pinned
   };
   /// Counts of one holder.
   struct Held {
     std::size_t jobs = 0, unfinished = 0;
-    std::uint64_t result_bytes = 0;
+    std::uint64_t result_bytes = 0, pinned_bytes = 0;
   };
   class Counted;
   using Shared = std::shared_ptr<Job>;
@@ -204,6 +206,9 @@ class Jobs {
   void persist_end(const Shared& job, const std::shared_ptr<const FractureAnswer>& answer);
   bool write_end(const Shared& job, const JobRecord& record,
                  const std::shared_ptr<const FractureAnswer>& answer);
+  /// Writes the result to the disk tier and pins it there, if the holder's part allows. Returns false if it
+  /// is not there.
+  bool keep_result(const Shared& job, const std::shared_ptr<const FractureResult>& result);
   /// Submits as many waiting jobs as possible. Runs as disk work.
   void pump();
   void pump_later();
@@ -231,10 +236,17 @@ class Jobs {
   void fail_locked(const Shared& job, Error error);
   void forget(std::list<Shared>::iterator at);
   void make_room();
+  /// Charges the pin of a done job to its holder. While the pins exceed their limit, the holder with the most
+  /// bytes loses its oldest pin. Returns false if this job may not have one; the caller then removes it.
+  bool charge_pin(Job& job, std::uint64_t bytes);
+  /// Does nothing if the job has no pin.
+  void unpin(Job& job);
   /// Makes room for one more job of this holder, or returns an error.
   std::optional<Error> make_place_for(const std::string& holder);
   /// Returns this holder's oldest job for which `wanted` is true.
   std::list<Shared>::iterator oldest_of(const std::string& holder, bool (*wanted)(const Job&));
+  /// Returns that job of the holder with the largest sum.
+  Job& oldest_of_most(std::uint64_t Held::*sum, bool (*wanted)(const Job&));
   /// Inserts the job in order of creation.
   void insert(const Shared& job);
   void count(const Job& job, bool held);

@@ -31,6 +31,7 @@ void Jobs::not_durable(const Shared& job) {
   {
     const std::lock_guard lock(mutex_);
     job->kept = job->view.durable = false;
+    unpin(*job);
   }
   folder_->remove(job->view.id);
 }
@@ -56,10 +57,34 @@ void Jobs::persist_end(const Shared& job, const std::shared_ptr<const FractureAn
 
 bool Jobs::write_end(const Shared& job, const JobRecord& record,
                      const std::shared_ptr<const FractureAnswer>& answer) {
-  if (!job->written_end)
-    job->written_end =
-        (!answer || dispatcher_.service().tiers().keep_on_disk(answer->result)) && folder_->write_end(record);
-  return job->written_end;
+  if (job->written_end) return true;
+  if (answer && !keep_result(job, answer->result)) return false;
+  job->written_end = folder_->write_end(record);
+  if (job->written_end) return true;
+  const std::lock_guard lock(mutex_);
+  unpin(*job);
+  return false;
+}
+
+bool Jobs::keep_result(const Shared& job, const std::shared_ptr<const FractureResult>& result) {
+  ResultTiers& tiers = dispatcher_.service().tiers();
+  /// Pins the result while it is written, so that others cannot evict it before it is charged.
+  struct Pin {
+    ResultTiers& tiers;
+    const std::string& key;
+    bool charged = false;
+    explicit Pin(ResultTiers& its_tiers, const std::string& its_key) : tiers(its_tiers), key(its_key) {
+      tiers.pin(key);
+    }
+    ~Pin() {
+      if (!charged) tiers.unpin(key);
+    }
+  } pin(tiers, result->key);
+  if (!tiers.keep_on_disk(result)) return false;
+  const std::uint64_t bytes = tiers.bytes_on_disk(result->key);
+  const std::lock_guard lock(mutex_);
+  pin.charged = charge_pin(*job, bytes);
+  return true;
 }
 
 }  // namespace fracture

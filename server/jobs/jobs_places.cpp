@@ -29,6 +29,8 @@ void Jobs::count(const Job& job, bool held) {
   add(sum.unfinished, std::size_t{!job.view.finished()});
   add(sum.result_bytes, bytes);
   add(figures_.result_bytes, bytes);
+  add(sum.pinned_bytes, job.pinned_bytes);
+  add(figures_.pinned_bytes, job.pinned_bytes);
 }
 
 void Jobs::hand_over(Job& job, const std::string& holder) {
@@ -55,6 +57,7 @@ void Jobs::insert(const Shared& job) {
 
 void Jobs::forget(std::list<Shared>::iterator at) {
   const Shared job = *at;
+  unpin(*job);
   if (std::exchange(job->kept, false))
     disk_.run(job->client, [this, id = job->view.id] { folder_->remove(id); });
   count(*job, false);
@@ -66,6 +69,33 @@ void Jobs::forget(std::list<Shared>::iterator at) {
 std::list<Jobs::Shared>::iterator Jobs::oldest_of(const std::string& holder, bool (*wanted)(const Job&)) {
   return std::find_if(jobs_.begin(), jobs_.end(),
                       [&](const Shared& job) { return job->holder == holder && wanted(*job); });
+}
+
+Jobs::Job& Jobs::oldest_of_most(std::uint64_t Held::*sum, bool (*wanted)(const Job&)) {
+  const auto most = std::max_element(held_.begin(), held_.end(), [sum](const auto& a, const auto& b) {
+    return a.second.*sum < b.second.*sum;
+  });
+  return **oldest_of(most->first, wanted);
+}
+
+bool Jobs::charge_pin(Job& job, std::uint64_t bytes) {
+  const std::uint64_t most = dispatcher_.service().tiers().most_pinned();
+  if (!job.kept || bytes == 0 || bytes > most) return false;
+  {
+    const Counted recount(*this, job);
+    job.pinned_bytes = bytes;
+  }
+  while (figures_.pinned_bytes > most)
+    unpin(oldest_of_most(&Held::pinned_bytes, [](const Job& known) { return known.pinned_bytes > 0; }));
+  return true;
+}
+
+void Jobs::unpin(Job& job) {
+  if (job.pinned_bytes == 0) return;
+  // As disk work: it comes after the pin, and this thread does not wait for the disk tier.
+  disk_.run(job.client, [this, key = job.view.result_key] { dispatcher_.service().tiers().unpin(key); });
+  const Counted recount(*this, job);
+  job.pinned_bytes = 0;
 }
 
 /// Forgets expired jobs. While the results exceed their limit, the holder with the most bytes loses its
@@ -81,10 +111,7 @@ void Jobs::make_room() {
     at = next;
   }
   while (figures_.result_bytes > config_.max_result_bytes) {
-    const auto most = std::max_element(held_.begin(), held_.end(), [](const auto& a, const auto& b) {
-      return a.second.result_bytes < b.second.result_bytes;
-    });
-    Job& job = **oldest_of(most->first, [](const Job& known) { return bytes_of(known.view) > 0; });
+    Job& job = oldest_of_most(&Held::result_bytes, [](const Job& known) { return bytes_of(known.view) > 0; });
     const Counted recount(*this, job);
     job.view.answer.reset();
     ++figures_.results_evicted;

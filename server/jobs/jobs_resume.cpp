@@ -45,11 +45,14 @@ Terms without_seat(Terms terms) {
 
 Expected<bool> Jobs::take_folder() {
   if (!folder_ || folder_ready_) return true;
+  ResultTiers& tiers = dispatcher_.service().tiers();
   // A finished job can only be shown with its result, which is in the disk tier.
-  if (dispatcher_.service().tiers().waits_for_folder()) return false;
+  if (tiers.waits_for_folder()) return false;
   const Expected<bool> taken = folder_->take();
-  if (!taken || !*taken) return taken;
-  restore();
+  if (taken && !*taken) return false;
+  if (taken) restore();
+  tiers.keep_all_on_disk(false);
+  if (!taken) return taken;
   folder_ready_ = true;
   go_on();
   return true;
@@ -58,12 +61,20 @@ Expected<bool> Jobs::take_folder() {
 void Jobs::restore() {
   const auto now = std::chrono::floor<std::chrono::microseconds>(std::chrono::system_clock::now());
   std::vector<JobFolder::Found> all = folder_->restore();
+  ResultTiers& tiers = dispatcher_.service().tiers();
   const std::lock_guard lock(mutex_);
   for (JobFolder::Found& found : all) {
     if (index_.contains(found.record.id)) continue;  // loaded by an earlier attempt that ran out of memory
     const auto job = std::make_shared<Job>();
     job->record = std::move(found.record);
     const JobRecord& record = job->record;
+    if (record.state == JobState::kDone && !tiers.on_disk(record.result_key)) {
+      job->record.state = JobState::kFailed;
+      job->record.error = Error{
+          ErrorCode::kJobLost,
+          "The job was done, but its result is no longer in the disk cache: it was evicted (--disk-cache) "
+          "or damaged. Send the mesh and the request again."};
+    }
     JobView& view = job->view;
     view.id = record.id;
     view.owner = record.owner;
@@ -76,15 +87,15 @@ void Jobs::restore() {
     view.error = record.error;
     view.durable = job->kept = true;
     job->begun = found.begun;
-    job->client = record.owner;
+    job->client = job->holder = record.owner;
     // Ignore a time in the future (a wrong clock or a forged record): it must not affect the times of new
     // jobs.
     if (record.created <= now) last_created_ = std::max(last_created_, record.created);
-    if (record.state == JobState::kDone && !dispatcher_.service().tiers().on_disk(record.result_key)) {
-      folder_->remove(record.id);  // the result was evicted, so there is nothing to fetch
-      continue;
-    }
     insert(job);
+    if (record.state == JobState::kDone) {
+      tiers.pin(record.result_key);
+      if (!charge_pin(*job, tiers.bytes_on_disk(record.result_key))) tiers.unpin(record.result_key);
+    }
     if (view.finished()) {
       const auto ago = record.finished_at ? now - *record.finished_at : std::chrono::microseconds(0);
       job->finished = Clock::now() -

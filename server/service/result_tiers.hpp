@@ -76,6 +76,22 @@ class ResultTiers {
   /// Makes sure that the result is on the disk, whichever thread writes it. Blocks. Returns false if that is impossible:
   /// there is no disk tier, no room, or the system reports an error.
   bool keep_on_disk(const std::shared_ptr<const FractureResult>& result);
+  /// Returns the size of this key's entry on the disk; 0 if there is none.
+  std::uint64_t bytes_on_disk(const std::string& key) const {
+    return disk_ ? disk_->size_of(key).value_or(0) : 0;
+  }
+  /// Protects the disk's entry for this key from eviction (DiskCache::pin). A call of unpin() must follow.
+  void pin(const std::string& key) {
+    if (disk_) disk_->pin(key);
+  }
+  void unpin(const std::string& key) {
+    if (disk_) disk_->unpin(key);
+  }
+  std::uint64_t most_pinned() const { return disk_ ? disk_->most_pinned() : 0; }
+  /// While this is on, the disk evicts nothing (DiskCache::keep_all).
+  void keep_all_on_disk(bool keep) {
+    if (disk_) disk_->keep_all(keep);
+  }
 
   TiersFigures figures() const;
 

@@ -12,7 +12,8 @@
 #include <memory>
 #include <string>
 
-#include "common/digest/digest.hpp"
+#include "tests/server/support/disk_entries.hpp"
+#include "tests/server/support/odd_files.hpp"
 #include "tests/server/support/temporary_folder.hpp"
 
 namespace fracture {
@@ -20,17 +21,14 @@ namespace {
 
 namespace fs = std::filesystem;
 using test::entries_in;
-using test::TemporaryFolder;
+using test::kAllOdd;
+using test::key_of;
+using test::Odd;
+using test::payload_of;
+using test::put_odd;
 using Bytes = std::vector<std::uint8_t>;
 
-std::string key_of(int n) { return sha256("key " + std::to_string(n)).hex(); }
-/// The payload follows from the key, so a wrong byte is detected without storing what was written.
-Bytes payload_of(int n, std::size_t size) {
-  Bytes bytes(size);
-  std::uint32_t state = static_cast<std::uint32_t>(n) * 2654435761u + 1;
-  for (auto& b : bytes) b = static_cast<std::uint8_t>((state = state * 1664525u + 1013904223u) >> 24);
-  return bytes;
-}
+struct Disk : test::Disk {};
 
 Bytes encode(const CacheEntry& entry) {
   const std::string head = encode_entry_head(entry);
@@ -80,27 +78,6 @@ TEST(CacheEntry, SizesThatOverflowAreRefused) {
 
 // -- the folder
 
-struct Disk : testing::Test {
-  TemporaryFolder folder;
-  std::string path = folder.path + "/cache";
-
-  static bool insert(DiskCache& cache, int n, std::size_t size = 1000) {
-    const Bytes payload = payload_of(n, size);
-    const std::string key = key_of(n);
-    return cache.insert({key, std::to_string(size), payload});
-  }
-  /// Returns whether the entry is found. A wrong byte fails the test.
-  static bool finds(DiskCache& cache, int n) {
-    const auto stored = cache.find(key_of(n));
-    if (!stored) return false;
-    const Bytes expected = payload_of(n, std::stoul(std::string(stored->entry.metadata)));
-    EXPECT_TRUE(std::equal(expected.begin(), expected.end(), stored->entry.payload.begin(),
-                           stored->entry.payload.end()))
-        << "wrong bytes of " << n;
-    return true;
-  }
-};
-
 TEST_F(Disk, WhatIsWrittenIsFoundAlsoByTheNextProcess) {
   {
     DiskCache cache(path, 1 << 20);
@@ -125,6 +102,35 @@ TEST_F(Disk, TheLeastRecentlyUsedLeavesWhenTheBudgetIsReached) {
   EXPECT_FALSE(insert(cache, 4, 5000)) << "over the budget alone";
   EXPECT_EQ(entries_in(path).size(), 3u);
   EXPECT_LE(cache.figures().bytes, 3500u);
+}
+
+TEST_F(Disk, WhatIsNotAFileIsNeverReadAndItsNeighboursStay) {
+  const auto place = [this](int n) { return path + "/" + key_of(n).substr(0, 2) + "/" + key_of(n); };
+  {
+    DiskCache cache(path, 1 << 20);
+    for (int n = 0; n < 10; ++n) insert(cache, n);
+  }
+  int odd_one = 100;
+  for (const Odd odd : kAllOdd) {
+    put_odd(odd, place(odd_one));
+    put_odd(odd, path + "/z" + std::to_string(odd_one % 10));  // where a folder of entries may be
+    ++odd_one;
+  }
+  DiskCache cache(path, 1 << 20);
+  ASSERT_FALSE(cache.unusable());
+  for (int n = 0; n < 10; ++n) EXPECT_TRUE(finds(cache, n)) << n;
+  for (int n = 100; n < odd_one; ++n) EXPECT_FALSE(finds(cache, n)) << n;
+  EXPECT_EQ(cache.figures().quarantined, 1u) << "the one that is larger than all of the cache";
+  int changed = 0;
+  for (const Odd odd : kAllOdd) {
+    put_odd(odd, place(changed));
+    EXPECT_FALSE(finds(cache, changed)) << changed;
+    EXPECT_TRUE(insert(cache, changed)) << changed;
+    EXPECT_TRUE(finds(cache, changed)) << changed;
+    ++changed;
+  }
+  EXPECT_EQ(cache.figures().quarantined, 6u);
+  for (int n = 0; n < 10; ++n) EXPECT_TRUE(finds(cache, n)) << n;
 }
 
 TEST_F(Disk, ADamagedEntryIsQuarantinedAndNeverServed) {

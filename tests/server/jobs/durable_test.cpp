@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "tests/server/support/job_server.hpp"
+#include "tests/server/support/odd_files.hpp"
 #include "tests/server/support/tenant_file.hpp"
 
 namespace fracture::test {
@@ -173,6 +174,45 @@ TEST_F(Durable, DamageCostsTheJobAndNothingElse) {
   EXPECT_EQ(wait_for_state(server, job, "failed").at("error").at("type"), "/problems/job-lost");
   wait_for_state(server, other, "done");
   EXPECT_EQ(files_in(folder / "jobs/quarantine"), 1u);
+}
+
+TEST_F(Durable, WhatIsNotAFileDoesNotStopTheStart) {
+  std::string done;
+  {
+    TestServer server(durable(folder));
+    done = server.post("/fracture?sites=9", "mesh", kAsync).header("location");
+    wait_for_state(server, done, "done");
+  }
+  const std::string job = interrupted();
+  int number = 0;
+  for (const Odd odd : kAllOdd) {
+    const std::string digits = std::string(15, '1') + std::to_string(number++),
+                      key = digits + digits + digits + digits;
+    put_odd(odd, folder / "jobs/records/" + digits + "-" + digits);
+    put_odd(odd, folder / "jobs/meshes/" + key);
+    put_odd(odd, folder / "jobs/begun/" + digits + "-" + digits);
+    put_odd(odd, folder / "11/" + key);
+  }
+  TestServer server(durable(folder));
+  EXPECT_EQ(server.get("/jobs").json().at("jobs").size(), 2u);
+  EXPECT_EQ(server.get(server.get(done).json().at("result")).status, 200);
+  EXPECT_EQ(server.get(wait_for_state(server, job, "done").at("result")).status, 200);
+}
+
+TEST_F(Durable, AJobWhoseResultIsGoneSaysSo) {
+  std::string job;
+  {
+    TestServer server(durable(folder));
+    job = server.post("/fracture?sites=5", "mesh", kAsync).header("location");
+    wait_for_state(server, job, "done");
+  }
+  for (const fs::path& entry : entries_in(folder.path)) fs::remove(entry);
+  TestServer server(durable(folder));
+  const auto lost = server.get(job).json();
+  EXPECT_EQ(lost.at("state"), "failed") << lost.dump();
+  EXPECT_EQ(lost.at("error").at("type"), "/problems/job-lost");
+  EXPECT_FALSE(lost.contains("result"));
+  EXPECT_EQ(server.post("/fracture?sites=5", "mesh").status, 200);
 }
 
 TEST_F(Durable, ManyJobsGoOnEachOnce) {

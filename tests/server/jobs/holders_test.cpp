@@ -165,5 +165,56 @@ TEST(DurableHolders, FinishedJobsOfOthersOutliveAFloodOfKnownAnswers) {
     EXPECT_EQ(server.get(server.get(job, by("ana")).json().at("result"), by("ana")).status, 200) << job;
 }
 
+/// The disk cache evicts the least recently used answers, but not results of jobs that can still be fetched.
+TEST(DurableHolders, ResultsOfFinishedJobsOutliveAFloodOfNewAnswers) {
+  const TemporaryFolder folder;
+  TestServerOptions options = durable(folder);
+  options.control = std::make_shared<FakeControl>();
+  options.control->glb_padding = 10'000;
+  options.service.tiers.disk_bytes = 300'000;
+  options.server.tokens = *tenants::TokenFile::parse(tenant_file({tenant("ana"), tenant("bob")}));
+  const auto flood = [](TestServer& server, int first) {
+    for (int seed = first; seed < first + 60; ++seed)
+      ASSERT_EQ(server
+                    .post("/fracture?seed=" + std::to_string(seed), "mesh",
+                          "Content-Type: model/gltf-binary\r\n" + by("bob"))
+                    .status,
+                200);
+    server.service.tiers().flush();
+  };
+  std::vector<std::string> anas;
+  {
+    TestServer server(options);
+    for (int seed = 0; seed < 5; ++seed) {
+      anas.push_back(server.post("/fracture?seed=" + std::to_string(seed), "mesh", kAsync + by("ana"))
+                         .header("location"));
+      wait_for_state(server, anas.back(), "done", by("ana"));
+    }
+    server.api.flush_jobs();
+    EXPECT_GE(server.api.jobs().figures().pinned_bytes, 50'000u);
+    flood(server, 100);
+    EXPECT_GE(server.service.figures().tiers.disk->evictions, 30u);
+    // Jobs of bob also pin their results, but the one with the most loses pins first.
+    for (int seed = 200; seed < 220; ++seed)
+      wait_for_state(server,
+                     server.post("/fracture?seed=" + std::to_string(seed), "mesh", kAsync + by("bob"))
+                         .header("location"),
+                     "done", by("bob"));
+    server.api.flush_jobs();
+    EXPECT_LE(server.api.jobs().figures().pinned_bytes, 150'000u);
+    EXPECT_GE(server.api.jobs().figures().pinned_bytes, 120'000u);
+    flood(server, 300);
+  }
+  TestServer server(options);
+  flood(server, 400);
+  for (const std::string& job : anas)
+    EXPECT_EQ(server.get(server.get(job, by("ana")).json().at("result"), by("ana")).status, 200) << job;
+  const std::uint64_t pinned = server.api.jobs().figures().pinned_bytes;
+  EXPECT_LE(pinned, 150'000u);
+  for (const std::string& job : anas)
+    EXPECT_EQ(ask(server.port(), "DELETE", job, by("ana")).status, 204) << job;
+  EXPECT_LE(server.api.jobs().figures().pinned_bytes + 50'000, pinned) << "forgotten jobs have no pins";
+}
+
 }  // namespace
 }  // namespace fracture::test

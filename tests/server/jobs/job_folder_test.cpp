@@ -6,6 +6,7 @@
 #include <fstream>
 #include <utility>
 
+#include "tests/server/support/odd_files.hpp"
 #include "tests/server/support/temporary_folder.hpp"
 
 namespace fracture::test {
@@ -187,6 +188,55 @@ TEST_F(Folder, ADamagedMeshIsPutAside) {
     ASSERT_EQ(f.restore().size(), 1u) << "the record is whole";
     EXPECT_FALSE(f.read_mesh(record(1).digest)) << size;
     EXPECT_FALSE(fs::exists(path));
+  }
+}
+
+TEST_F(Folder, WhatIsNotAFileIsPutAsideAndItsNeighboursStay) {
+  const auto entries = [this](const char* kind) {
+    const auto all = fs::directory_iterator(folder / kind);
+    return std::distance(begin(all), end(all));
+  };
+  for (const Odd odd : kAllOdd) {
+    {
+      TakenFolder f(config());
+      ASSERT_TRUE(put(f, record(1)));
+    }
+    put_odd(odd, folder / "records/" + record(2).id);
+    put_odd(odd, folder / "meshes/" + std::string(64, '0'));
+    put_odd(odd, folder / "begun/" + record(3).id);
+    TakenFolder f(config());
+    const auto found = f.restore();
+    ASSERT_EQ(found.size(), 1u) << static_cast<int>(odd);
+    EXPECT_EQ(found[0].record.id, record(1).id);
+    EXPECT_TRUE(f.read_mesh(record(1).digest));
+    EXPECT_EQ(entries("records"), 1);
+    EXPECT_EQ(entries("meshes"), 1);
+    EXPECT_EQ(entries("begun"), 0);
+  }
+}
+
+TEST_F(Folder, AMeshOrAMarkThatIsNotAFileIsWrittenAgain) {
+  for (const Odd odd : kAllOdd) {
+    const std::string mark = folder / "begun/" + record(1).id;
+    {
+      TakenFolder f(config());
+      ASSERT_TRUE(put(f, record(1)));
+    }
+    put_odd(odd, folder / "meshes/" + record(1).digest);
+    if (odd != Odd::kSparse) put_odd(odd, mark);
+    TakenFolder f(config());
+    const auto found = f.restore();
+    ASSERT_EQ(found.size(), 1u) << static_cast<int>(odd);
+    EXPECT_EQ(found[0].begun, 0u);
+    EXPECT_FALSE(f.read_mesh(record(1).digest));
+    ASSERT_TRUE(f.write(record(1), request));
+    EXPECT_TRUE(f.read_mesh(record(1).digest));
+    f.begun(record(1).id);
+    EXPECT_EQ(fs::file_size(mark), 1u);
+    put_odd(Odd::kFifo, mark);  // while the server runs
+    f.begun(record(1).id);
+    f.not_begun(record(1).id);
+    EXPECT_FALSE(fs::exists(mark));
   }
 }
 
