@@ -57,14 +57,14 @@ bool refuses(const ImportMemo::Known& known, std::uint64_t memory_bytes, const E
 Expected<Mesh> ImportPool::import(std::span<const std::byte> mesh, MeshFormat format,
                                   std::span<const ImportFile> files, const ImportLimits& limits,
                                   const Execution& execution, std::string_view digest,
-                                  const StandsBack& stands_back) {
+                                  const StandsBack& stands_back, const Flow& flow) {
   execution.poll();
   std::uint64_t most = config_.worker.memory_bytes;
   if (execution.allowance) {
     const std::uint64_t share = execution.allowance->limit() / kReserved;
     most = most > 0 ? std::min(most, share) : share;
   }
-  Input input{mesh, format, files, std::string(digest), {}, stands_back};
+  Input input{mesh, format, files, std::string(digest), {}, stands_back, flow};
   input.name = input.digest + "." + extension_of(format);
   if (const auto known = memo_.find(input.name); known && refuses(*known, most, execution)) {
     const std::lock_guard lock(mutex_);
@@ -90,7 +90,7 @@ std::optional<Expected<Mesh>> ImportPool::import_within(Try& attempt, const Inpu
                                                         const ImportLimits& limits,
                                                         const Execution& execution) {
   execution.poll();
-  Place place(*this, execution, input.stands_back);
+  Place place(*this, execution, input);
   Execution reading = execution;
   reading.turn = &place;
   std::unique_ptr<WorkerProcess> taken = take(place);
@@ -102,6 +102,8 @@ std::optional<Expected<Mesh>> ImportPool::import_within(Try& attempt, const Inpu
     place.tell_of_use();
     {
       const std::lock_guard lock(mutex_);
+      end(place);
+      forget_clients();
       if (ended) ++(counters_.*ended);
       std::erase(busy_, pid);
     }

@@ -3,17 +3,17 @@
 // has already been forked. A worker reads several files only if all of them belong to the caller. If a file kills its worker,
 // one request gets a typed error, and from then on the same file gets this error at once.
 //
-// Reading a file may take a minute, so imports take turns. A waiting import gets its turn after the imports that are reading
-// have had theirs (kTurn); an urgent import gets its turn at once. A worker process is stopped (SIGSTOP) when its turn is
-// over, and continues later. It is also stopped while its computation stands still for another one
-// (service/worker_pool.hpp).
+// Reading a file may take a minute, so imports take turns. The client whose imports have read for the shortest time comes
+// next (service/fair_queue.hpp), however many imports another client has in line. Among the imports of one client, a waiting
+// one gets its turn after those that are reading have had theirs (kTurn), and an urgent one at once. A worker process is
+// stopped (SIGSTOP) when its turn is over, and continues later. It is also stopped while its computation stands still for
+// another one (service/worker_pool.hpp).
 #pragma once
 
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
 #include <functional>
-#include <list>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -26,6 +26,7 @@
 #include "common/mesh/mesh.hpp"
 #include "server/import_worker/import_memo.hpp"
 #include "server/import_worker/worker_process.hpp"
+#include "server/service/fair_queue.hpp"
 
 namespace fracture {
 
@@ -68,8 +69,8 @@ class ImportPool {
 
   /// Called on the thread of an import. Returns whether its computation should stand still.
   using StandsBack = std::function<bool()>;
-  /// Imports a mesh like import_mesh(), in a worker. Thread-safe. Waits for its turn; urgent work (Turn::is_urgent, checked
-  /// again during the wait) goes before other work.
+  /// Imports a mesh like import_mesh(), in a worker. Thread-safe. Waits for the turn of the client (`flow`). Urgency
+  /// (Turn::is_urgent, checked again during the wait) counts as for other work of a client (FairQueue).
   ///
   /// The worker's memory is first set aside in the execution's allowance. The first try gets little memory, depending on the
   /// file's size. If that is not enough (an instanced or compressed file), further tries get more, up to the worker's limit.
@@ -84,10 +85,12 @@ class ImportPool {
   /// independent of the file and never remembered. Throws Interrupted.
   Expected<Mesh> import(std::span<const std::byte> mesh, MeshFormat format, std::span<const ImportFile> files,
                         const ImportLimits& limits, const Execution& execution, std::string_view digest,
-                        const StandsBack& stands_back = {});
+                        const StandsBack& stands_back = {}, const Flow& flow = {});
 
-  /// How long an import may read at a time while others wait.
+  /// How long an import may read at a time while other imports of its client wait.
   static constexpr std::chrono::milliseconds kTurn{50};
+  /// An import stops for one of another client if that client has used this much less time.
+  static constexpr std::chrono::milliseconds kQuantum{20};
 
   ImportCounters counters() const;
   /// Return the hellos of the first worker and of the latest zygote. They say which parts of the sandbox this machine allows.
@@ -107,6 +110,7 @@ class ImportPool {
     std::span<const ImportFile> files;
     std::string digest, name;
     const StandsBack& stands_back;
+    const Flow& flow;
   };
   /// One try to read an input in a worker.
   struct Try {
@@ -121,23 +125,36 @@ class ImportPool {
   std::unique_ptr<WorkerProcess> fork_worker();
   std::unique_ptr<WorkerProcess> first_worker_of_a_new_zygote();
   void want_a_spare();
+  struct Place;
+  /// An import that waits to read.
+  struct InLine {
+    std::uint64_t id;
+    double cost;
+    Flow flow;
+    std::chrono::steady_clock::time_point arrival;
+    Place* place;
+  };
+  using Queue = FairQueue<InLine>;
   /// The turn of an import, from its wait for a worker to its end.
   struct Place final : Turn {
-    Place(ImportPool& its_pool, const Execution& its_execution, const StandsBack& its_stands_back)
-        : pool(its_pool), execution(its_execution), stands_back(its_stands_back) {}
+    Place(ImportPool& its_pool, const Execution& its_execution, const Input& its_input)
+        : pool(its_pool), execution(its_execution), input(its_input) {}
     void give_way() override;
     void leave() override {}
     void come_back() override {}
     bool is_urgent() const override { return !execution.turn || execution.turn->is_urgent(); }
+    Priority priority() const { return is_urgent() ? Priority::kRealtime : Priority::kBatch; }
     /// Reports the worker's processor time since the last report to the computation.
     void tell_of_use();
 
     ImportPool& pool;
     const Execution& execution;
-    const StandsBack& stands_back;
+    const Input& input;
     WorkerProcess* worker = nullptr;
-    std::chrono::steady_clock::time_point since{};  ///< begin of its current turn
-    std::chrono::nanoseconds told{0};               ///< processor time that was reported
+    Queue::Client* client = nullptr;                  ///< null while it does not read
+    std::chrono::steady_clock::time_point since{};    ///< begin of its current turn
+    std::chrono::steady_clock::time_point charged{};  ///< its client was charged until then
+    std::chrono::nanoseconds told{0};                 ///< processor time that was reported
   };
   struct Waiting;
   struct Standing;
@@ -145,8 +162,14 @@ class ImportPool {
   /// Stops an import in the middle, until it is its turn again. `back`: first lets its computation stand still.
   void stand_still(Place& place, bool back);
   // The following functions require the lock, except bury() and keep(), which take it.
-  bool is_next(const Place& place) const;
-  bool is_others_turn(const Place& place) const;
+  void begin(Place& place, const Queue::Next& next);
+  /// Charges the client for the time since the last call. The time is that of the clock, because a worker that waits or
+  /// sleeps also keeps others out.
+  void charge(Place& place);
+  void end(Place& place);
+  void forget_clients();
+  /// Returns whether an import that reads must stop for one in line.
+  bool is_others_turn(const Place& place);
   int reading_or_starting() const;
   void bury(std::unique_ptr<WorkerProcess> worker);
   void keep(std::unique_ptr<WorkerProcess> worker);
@@ -156,7 +179,9 @@ class ImportPool {
   mutable std::mutex mutex_;
   std::condition_variable supervisor_, free_;
   std::vector<std::unique_ptr<WorkerProcess>> idle_, retired_;
-  std::list<Place*> line_;  ///< imports that wait to read, longest waiting first
+  Queue line_;  ///< imports that wait to read
+  std::uint64_t next_in_line_ = 1;
+  std::vector<Place*> reading_;
   std::vector<pid_t> busy_;
   int to_start_ = 1;  ///< workers to start whose start has not begun
   int starting_ = 0;

@@ -1,7 +1,10 @@
 // The turns of imports: which import takes a worker next, and which one stands still for others.
 #include <algorithm>
 #include <chrono>
+#include <cstddef>
+#include <optional>
 #include <utility>
+#include <vector>
 
 #include "server/import_worker/import_pool.hpp"
 
@@ -9,17 +12,43 @@ namespace fracture {
 
 using std::chrono::milliseconds;
 
+namespace {
+
+/// Number of clients that are remembered without an import.
+constexpr std::size_t kMostClients = 256;
+
+constexpr auto kAny = [](const auto&, Priority) { return true; };
+
+}  // namespace
+
 /// Keeps an import in the line while it lives. Construction and destruction require the lock.
 struct ImportPool::Waiting {
-  Waiting(ImportPool& p, Place& place) : pool(p), at(p.line_.insert(p.line_.end(), &place)) {}
+  Waiting(ImportPool& its_pool, Place& its_place)
+      : pool(its_pool), place(its_place), id(pool.next_in_line_++), priority(place.priority()) {
+    pool.line_.push(priority, {id, 0, place.input.flow, std::chrono::steady_clock::now(), &place});
+  }
   ~Waiting() {
-    pool.line_.erase(at);
+    pool.line_.remove(id);
     pool.free_.notify_all();
   }
   Waiting(const Waiting&) = delete;
   Waiting& operator=(const Waiting&) = delete;
+  /// Returns its entry for begin() if it may read now. Requires the lock.
+  std::optional<Queue::Next> turn() {
+    if (const Priority now = place.priority(); now != priority) {
+      pool.line_.move(id, now, place.input.flow);
+      priority = now;
+    }
+    if (pool.counters_.busy >= pool.config_.workers) return std::nullopt;
+    const std::vector<Queue::Next> next = pool.line_.candidates(kAny);
+    if (next.empty() || next.front().item().place != &place) return std::nullopt;
+    return next.front();
+  }
+
   ImportPool& pool;
-  const std::list<Place*>::iterator at;
+  Place& place;
+  const std::uint64_t id;
+  Priority priority;
 };
 
 /// Keeps a worker stopped while it lives. Must be constructed and destroyed without the lock.
@@ -27,6 +56,7 @@ struct ImportPool::Standing {
   explicit Standing(Place& p) : place(p) {
     place.worker->stop();
     const std::lock_guard lock(place.pool.mutex_);
+    place.pool.end(place);
     --place.pool.counters_.busy;
     ++place.pool.counters_.standing;
     place.pool.free_.notify_all();
@@ -44,33 +74,53 @@ struct ImportPool::Standing {
   void reads_again() {
     ++place.pool.counters_.busy;
     --place.pool.counters_.standing;
-    place.since = std::chrono::steady_clock::now();
     reads = true;
   }
   Place& place;
   bool reads = false;
 };
 
-bool ImportPool::is_next(const Place& place) const {
-  if (counters_.busy >= config_.workers) return false;
-  const bool urgent = place.is_urgent();
-  bool before = true;
-  for (const Place* const other : line_) {
-    if (other == &place)
-      before = false;
-    else if (before ? other->is_urgent() || !urgent : other->is_urgent() && !urgent)
-      return false;
-  }
-  return true;
+void ImportPool::begin(Place& place, const Queue::Next& next) {
+  reading_.push_back(&place);  // first, because it may throw
+  place.client = next.client;
+  place.since = place.charged = std::chrono::steady_clock::now();
+  line_.take(next);
 }
 
-bool ImportPool::is_others_turn(const Place& place) const {
-  if (line_.empty() || counters_.busy < config_.workers) return false;
-  const bool urgent = place.is_urgent(), over = std::chrono::steady_clock::now() - place.since >= kTurn;
-  return std::any_of(line_.begin(), line_.end(), [&](const Place* other) {
-    const bool more = other->is_urgent();
-    return more == urgent ? over : more;
-  });
+void ImportPool::charge(Place& place) {
+  if (!place.client) return;
+  const auto now = std::chrono::steady_clock::now();
+  const std::chrono::duration<double> read = now - std::exchange(place.charged, now);
+  line_.charge(place.priority(), place.input.flow, read.count());
+  double least = place.client->tag;
+  for (const Place* const other : reading_) least = std::min(least, other->client->tag);
+  line_.advance(least);
+}
+
+void ImportPool::end(Place& place) {
+  if (!place.client) return;
+  charge(place);
+  line_.end(*std::exchange(place.client, nullptr));
+  std::erase(reading_, &place);
+}
+
+void ImportPool::forget_clients() {
+  if (line_.empty() && reading_.empty() && counters_.standing == 0)
+    line_.idle();
+  else if (line_.flows() > kMostClients)
+    line_.sweep(kMostClients);
+}
+
+bool ImportPool::is_others_turn(const Place& place) {
+  if (!place.client || counters_.busy < config_.workers || line_.empty()) return false;
+  const Priority priority = place.priority();
+  const auto waits = [&place](Priority of) { return !place.client->line(of).empty(); };
+  if (priority != Priority::kRealtime && waits(Priority::kRealtime)) return true;
+  if (waits(priority) && std::chrono::steady_clock::now() - place.since >= kTurn) return true;
+  const std::chrono::duration<double> quantum = kQuantum;
+  for (const Queue::Next& next : line_.candidates(kAny))
+    if (next.client != place.client) return next.key() + quantum.count() < place.client->key(priority);
+  return false;
 }
 
 void ImportPool::Place::tell_of_use() {
@@ -82,10 +132,13 @@ void ImportPool::Place::tell_of_use() {
 
 void ImportPool::Place::give_way() {
   tell_of_use();
-  const bool back = stands_back && stands_back();
+  // The report may be the reason to stand back. The computation must know it first, so that the worker is stopped too.
+  if (execution.turn) execution.turn->end_where_it_must();
+  const bool back = input.stands_back && input.stands_back();
   bool others = false;
   {
     const std::lock_guard lock(pool.mutex_);
+    pool.charge(*this);
     others = pool.is_others_turn(*this);
   }
   if (back || others)
@@ -99,17 +152,19 @@ void ImportPool::stand_still(Place& place, bool back) {
   Standing standing(place);
   if (back) execution.turn->give_way();
   std::unique_lock lock(mutex_);
-  const Waiting waiting(*this, place);
+  Waiting waiting(*this, place);
   std::optional<Away> away;
   const auto unwanted = [&execution] {
     return execution.stop.stop_requested() ||
            (execution.deadline && std::chrono::steady_clock::now() > *execution.deadline);
   };
-  while (!is_next(place) && !unwanted()) {
+  std::optional<Queue::Next> next;
+  while (!(next = waiting.turn()) && !unwanted()) {
     if (!away) away.emplace(execution.turn);
     free_.wait_for(lock, milliseconds(10));
     if (execution.turn) execution.turn->end_where_it_must();
   }
+  if (next) begin(place, *next);
   standing.reads_again();
 }
 
@@ -117,9 +172,10 @@ std::unique_ptr<WorkerProcess> ImportPool::take(Place& place) {
   const Execution& execution = place.execution;
   std::unique_lock lock(mutex_);
   const std::uint64_t failures = failed_starts_;
-  const Waiting waiting(*this, place);
+  Waiting waiting(*this, place);
   std::optional<Away> away;
-  while (idle_.empty() || !is_next(place)) {
+  std::optional<Queue::Next> next;
+  while (!(next = waiting.turn()) || idle_.empty()) {
     if (!away) away.emplace(execution.turn);
     if (idle_.empty() && reading_or_starting() < config_.workers && starting_ + to_start_ == 0) {
       // No worker will become free, and none could be started, so an error now is better than one at the deadline. Workers
@@ -141,12 +197,13 @@ std::unique_ptr<WorkerProcess> ImportPool::take(Place& place) {
     }
     lock.lock();
   }
+  busy_.reserve(busy_.size() + 1);
+  begin(place, *next);  // nothing after this throws
   std::unique_ptr<WorkerProcess> worker = std::move(idle_.back());
   idle_.pop_back();
   busy_.push_back(worker->pid());
   ++counters_.busy;
   place.worker = worker.get();
-  place.since = std::chrono::steady_clock::now();
   place.told = worker->processor_time();
   want_a_spare();
   return worker;

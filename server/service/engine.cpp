@@ -99,7 +99,8 @@ std::unique_ptr<FractureEngine> make_engine(std::shared_ptr<ImportPool> imports)
       Importer([pool = std::move(imports)](std::span<const std::byte> bytes, MeshFormat format,
                                            std::span<const ImportFile> files, std::string_view digest,
                                            const ImportLimits& limits, const Execution& execution) {
-        return pool->import(bytes, format, files, limits, execution, digest, &WorkerPool::stands_back);
+        return pool->import(bytes, format, files, limits, execution, digest, &WorkerPool::stands_back,
+                            WorkerPool::flow());
       }));
 }
 

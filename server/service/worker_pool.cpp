@@ -12,6 +12,11 @@ thread_local WorkerPool::Running* WorkerPool::Running::of_this_thread = nullptr;
 
 Turn* WorkerPool::turn() { return Running::of_this_thread; }
 
+Flow WorkerPool::flow() {
+  const Running* const mine = Running::of_this_thread;
+  return mine ? mine->task.flow : Flow{};
+}
+
 void WorkerPool::charge_by_now() {
   if (Running* const mine = Running::of_this_thread) mine->charge();
 }

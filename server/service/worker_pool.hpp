@@ -105,6 +105,8 @@ class WorkerPool {
 
   /// Returns the job's turn, for its Execution; null on other threads.
   static Turn* turn();
+  /// Returns the flow whose turn the job takes; an unnamed flow on other threads.
+  static Flow flow();
   /// Charges everything that the job has used so far.
   static void charge_by_now();
   /// Tells the pool the job's stop token and deadline. A job that stands still continues when it is stopped or past its

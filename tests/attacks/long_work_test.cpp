@@ -105,6 +105,73 @@ TEST_P(LongWorkAttack, Imports) {
 INSTANTIATE_TEST_SUITE_P(Classes, LongWorkAttack, testing::Values(kU0, kU3),
                          [](const auto& instance) { return instance.param == kU0 ? "Realtime" : "Batch"; });
 
+/// Sixteen connections of one client, each with one file after the other that is refused after it was read.
+class ImportFlood {
+ public:
+  ImportFlood(const ServeProcess& server, const std::string& fields) {
+    for (int client = 0; client < 16; ++client)
+      threads_.emplace_back([this, client, port = server.port, fields] {
+        const std::string faces = kCube + many("o o\nf 1 2 3\n", 5000);
+        for (int n = 0; !stop_; ++n) {
+          try {
+            ask(port, "POST", "/fracture?sites=8", kObj + fields,
+                faces + "# " + std::to_string(client) + " " + std::to_string(n) + "\nf 1 2 99\n", kAttacker);
+          } catch (const std::runtime_error&) {
+            // cut off at the end
+          }
+        }
+      });
+  }
+  ~ImportFlood() {
+    stop_ = true;
+    for (std::thread& thread : threads_) thread.join();
+  }
+
+ private:
+  std::atomic<bool> stop_{false};
+  std::vector<std::thread> threads_;
+};
+
+struct ImportFloodAttack : testing::TestWithParam<std::string> {};
+
+/// Counts how many imports of the flood end between another client's request and its answer.
+TEST_P(ImportFloodAttack, WaitsForAnotherClientHoweverManyAreInLine) {
+  ServeProcess server(
+      {"--threads", "16", "--import-workers", "2", "--memory", "4GiB", "--realtime-deadline", "60"});
+  const auto refused = [&] { return figures(server)["fracture_imports_total{outcome=\"refused\"}"]; };
+  std::vector<double> between;
+  {
+    const ImportFlood flood(server, GetParam());
+    EXPECT_TRUE(eventually(kPatience, "a flood", [&] { return refused() >= 50; }));
+    for (int k = 0; k < kQuestions; ++k) {
+      const double before = refused();
+      int status = 0;
+      try {
+        status = ask(server.port, "POST", "/fracture?sites=8", kObj + kU3,
+                     kCube + "# bystander " + std::to_string(k) + "\n", kBystander)
+                     .status;
+      } catch (const std::runtime_error& e) {
+        ADD_FAILURE() << e.what();
+        break;
+      }
+      EXPECT_EQ(status, 200);
+      between.push_back(refused() - before);
+    }
+  }
+  ASSERT_EQ(between.size(), std::size_t{kQuestions});
+  std::sort(between.begin(), between.end());
+  EXPECT_LE(between[kQuestions / 2], 8) << "median; the imports that read now may end";
+  char text[120];
+  std::snprintf(text, sizeof text, "%.0f imports of the other between question and answer, median",
+                between[kQuestions / 2]);
+  report("ImportFlood", text, "16, all that are in line; if they are urgent, there is no answer");
+  server.signal(SIGTERM);
+  EXPECT_EQ(server.wait(), 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Classes, ImportFloodAttack, testing::Values(kU0, kU3),
+                         [](const auto& instance) { return instance.param == kU0 ? "Realtime" : "Batch"; });
+
 /// During a flood of small realtime requests, counts those that are answered between a batch client's request
 /// and its answer.
 TEST(RealtimeFlood, LeavesABatchClientItsShare) {

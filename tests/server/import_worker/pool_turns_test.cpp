@@ -1,9 +1,10 @@
 // Imports take turns: the time that they use is charged to their computations, and no import reads forever
-// while others wait.
+// while others wait. The client that has read for the shortest time comes next.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
 #include <atomic>
+#include <deque>
 #include <fstream>
 #include <future>
 #include <iterator>
@@ -56,13 +57,13 @@ TEST(ImportPool, WhatAnImportSpendsIsSaidAndNotWhatItWaits) {
 
 /// An import that does not end by itself, for as long as this object lives.
 struct Endless {
-  Endless(ImportPool& pool, const char* command, Turn* turn) {
+  Endless(ImportPool& pool, const char* command, Turn* turn, const Flow& flow = {}) {
     Execution execution;
     execution.stop = stop.get_token();
     execution.turn = turn;
-    thread = std::thread([&pool, command, execution] {
+    thread = std::thread([&pool, command, execution, flow] {
       try {
-        (void)import_with(pool, command, execution);
+        (void)import_with(pool, command, execution, flow);
         ADD_FAILURE() << "it should have been interrupted";
       } catch (const Interrupted& interrupted) {
         EXPECT_EQ(interrupted.code, ErrorCode::kCancelled);
@@ -78,11 +79,11 @@ struct Endless {
 };
 
 /// Imports a mesh for a client that waits no longer than the tests' patience.
-Expected<Mesh> read_for(ImportPool& pool, Turn& turn) {
+Expected<Mesh> read_for(ImportPool& pool, Turn& turn, const Flow& flow = {}) {
   Execution execution;
   execution.turn = &turn;
   execution.deadline = std::chrono::steady_clock::now() + kPatience;
-  return import_with(pool, kTetrahedron, execution);
+  return import_with(pool, kTetrahedron, execution, flow);
 }
 
 bool are(const ImportPool& pool, int busy, int standing) {
@@ -139,6 +140,70 @@ TEST(ImportPool, WorkThatIsUrgentNoMoreKeepsNobodyWaiting) {
     EXPECT_TRUE(are(pool, 1, 0));
     left.is_in_a_hurry = false;
     EXPECT_TRUE(read_for(pool, batch));
+  }
+  EXPECT_TRUE(settles(pool));
+}
+
+/// Counts how often imports begin or continue after they have waited.
+struct CountingTurn : ToldTurn {
+  using ToldTurn::ToldTurn;
+  void come_back() override { ++begun; }
+  std::atomic<int> begun{0};
+};
+
+/// The turn of one import. Counts how often the others begin or continue from the time at which it joins the line until it
+/// begins. The pool asks for its urgency when it joins, under the lock under which imports begin.
+struct NextTurn : ToldTurn {
+  explicit NextTurn(const std::atomic<int>& others_begun) : ToldTurn(false), begun(others_begun) {}
+  bool is_urgent() const override {
+    if (joined < 0) joined = begun.load();
+    return false;
+  }
+  void come_back() override {
+    if (others < 0) others = begun - joined;
+  }
+  const std::atomic<int>& begun;
+  mutable std::atomic<int> joined{-1};
+  std::atomic<int> others{-1};
+};
+
+/// Imports of one client that never end. Each of them has its turn in a worker, where it sleeps.
+struct Flood {
+  Flood(ImportPool& pool, Turn* turn, int count) {
+    for (int k = 0; k < count; ++k) imports.emplace_back(pool, "! hang", turn, Flow{.name = "many"});
+  }
+  std::deque<Endless> imports{};
+};
+
+TEST(ImportPool, OneImportOfAClientIsNextHoweverManyAnotherHasInLine) {
+  for (const bool urgent : {false, true}) {
+    ImportPool pool(config_of(FRACTURE_MISBEHAVING_PROGRAM, 1));
+    CountingTurn many(urgent);
+    NextTurn one(many.begun);
+    {
+      const Flood flood(pool, &many, 20);
+      EXPECT_TRUE(eventually(kPatience, "some to have had their turn", [&] { return many.begun >= 4; }));
+      EXPECT_TRUE(read_for(pool, one, {.name = "one"}));
+      EXPECT_LE(one.others, 0) << "urgent: " << urgent;
+      const int before = many.begun;
+      EXPECT_TRUE(eventually(kPatience, "them to go on", [&] { return many.begun >= before + 3; }));
+    }
+    EXPECT_TRUE(settles(pool));
+    EXPECT_EQ(pool.counters().imported, 1u);
+    EXPECT_EQ(pool.counters().standing, 0);
+  }
+}
+
+TEST(ImportPool, ClientsThatAlwaysReadGetTheSameTimeHoweverManyImportsTheyHave) {
+  ImportPool pool(config_of(FRACTURE_MISBEHAVING_PROGRAM, 1));
+  CountingTurn many(false), one(false);
+  {
+    const Flood flood(pool, &many, 20);
+    EXPECT_TRUE(eventually(kPatience, "some to have had their turn", [&] { return many.begun >= 4; }));
+    const int before = many.begun;
+    const Endless endless(pool, "! hang", &one, Flow{.name = "one"});
+    EXPECT_TRUE(eventually(kPatience, "it to have had ten turns", [&] { return one.begun >= 10; }));
+    EXPECT_LT(many.begun - before, 100) << "200 if imports shared the time, 10 if clients do";
   }
   EXPECT_TRUE(settles(pool));
 }

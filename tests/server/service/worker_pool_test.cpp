@@ -57,6 +57,15 @@ TEST(WorkerPool, ALoneJobMayUseEveryThreadAndALoadedPoolGivesOneEach) {
   EXPECT_EQ(last, 1);
 }
 
+TEST(WorkerPool, AJobKnowsWhoseTurnItTakes) {
+  WorkerPool pool(1, 100);
+  std::string name;
+  pool.submit(kBatch, 0, [&](int) { name = WorkerPool::flow().name; }, {.name = "alice"});
+  pool.wait_idle();
+  EXPECT_EQ(name, "alice");
+  EXPECT_EQ(WorkerPool::flow().name, "") << "this thread runs no job";
+}
+
 TEST(WorkerPool, ItIsFullWhenAsManyWaitAsMay) {
   BusyPool busy(2);
   busy.add(kBatch, 'a');

@@ -12,6 +12,7 @@
 
 #include "common/digest/digest.hpp"
 #include "server/import_worker/import_pool.hpp"
+#include "server/service/fair_queue.hpp"
 #include "tests/import/make_files.hpp"
 #include "tests/support/eventually.hpp"
 
@@ -37,8 +38,9 @@ inline std::string digest_of(std::string_view bytes, std::span<const ImportFile>
   return sha256(list).hex();
 }
 
-inline Expected<Mesh> import_with(ImportPool& pool, std::string_view bytes, const Execution& execution = {}) {
-  return pool.import(bytes_of(bytes), MeshFormat::kOff, {}, {}, execution, digest_of(bytes));
+inline Expected<Mesh> import_with(ImportPool& pool, std::string_view bytes, const Execution& execution = {},
+                                  const Flow& flow = {}) {
+  return pool.import(bytes_of(bytes), MeshFormat::kOff, {}, {}, execution, digest_of(bytes), {}, flow);
 }
 
 /// Waits for the worker that reads after `killed` has died. Returns its process id.
