@@ -209,8 +209,9 @@ TEST_F(BakeProgram, MissingInputsOfAManifestAreNamedFirstAndTheOthersAreMade) {
 {"input": "in", "output": "c.glb"}
 )");
   EXPECT_EQ(shell("$f bake --manifest .m -q -j 1"), 1);
-  EXPECT_THAT(err, StartsWith("fracture-server bake: Lines 1, 4 of '.m': warning: cannot read absent.off: No such "
-                              "file or directory.\nLine 5 of '.m': warning: cannot read in: Is a directory.\n"));
+  EXPECT_THAT(err,
+              StartsWith("fracture-server bake: Lines 1, 4 of '.m': warning: cannot read absent.off: No such "
+                         "file or directory.\nLine 5 of '.m': warning: cannot read in: Is a directory.\n"));
   EXPECT_TRUE(fs::exists(folder / "good.glb"));
   EXPECT_FALSE(fs::exists(folder / "a.glb"));
   EXPECT_EQ(shell("$f bake --manifest .m -q -j 1 --shard 1/4"), 0) << err;

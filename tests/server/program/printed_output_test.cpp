@@ -18,8 +18,8 @@ TEST_F(BakeProgram, OutputThatIsLostIsAnErrorOfEveryCommand) {
   const std::string health = "health http://127.0.0.1:" + std::to_string(server.admin_port) + "/livez";
   // The output of some commands is longer than a buffer of stdio.
   for (const std::string& command :
-       {std::string("--version"), std::string("--help"), std::string("bake --help"), std::string("serve --help"),
-        std::string("serve --print-config"), std::string("inspect cube.off"),
+       {std::string("--version"), std::string("--help"), std::string("bake --help"),
+        std::string("serve --help"), std::string("serve --print-config"), std::string("inspect cube.off"),
         std::string("inspect cube.off --json"), std::string("inspect in/poison/sheet.obj"),
         std::string("inspect tub.off"), std::string("inspect cube.off tub.off"),
         std::string("inspect cube.off tub.off --json"), std::string("bake cube.off -o lost.glb --sites 5"),
@@ -32,7 +32,8 @@ TEST_F(BakeProgram, OutputThatIsLostIsAnErrorOfEveryCommand) {
     EXPECT_THAT(err, Not(HasSubstr("cannot write standard output: No space"))) << command;
   }
   ASSERT_EQ(shell("$f bake cube.off -o right.glb --sites 5 -q"), 0) << err;
-  EXPECT_EQ(bytes("lost.glb"), bytes("right.glb")) << "the file did not get the number and text of the stream";
+  EXPECT_EQ(bytes("lost.glb"), bytes("right.glb"))
+      << "the file did not get the number and text of the stream";
 }
 
 TEST_F(BakeProgram, ACommandThatPrintsNothingNeedsNoStandardStreams) {
