@@ -73,7 +73,8 @@ class GoldenBytes(unittest.TestCase):
 class Released(unittest.TestCase):
     """The rules for the hashes of a version that is or is not released."""
 
-    undated, dated = (f"# Changelog\n\n## Algorithm 28 - {day}\n\n### Added\n\n## Algorithm 27 - 2026-11-30\n" for day in ("unreleased", "2026-12-24"))
+    undated, dated = (f"# Changelog\n\n## Algorithm 28 - {day}\n\n### Added\n\n## Algorithm 27 - 2026-11-30\n"
+                      for day in ("unreleased", "2026-12-24"))
 
     def test_only_hashes_of_the_newest_version_that_is_unreleased_are_replaced(self):
         self.assertIsNone(golden_bytes.refusal_of_unreleased(28, self.undated))
