@@ -1,5 +1,6 @@
 // fracture-client: the game, in a window or without one.
 #include <cstdio>
+#include <cstring>
 #include <exception>
 
 #include "client/app/headless.hpp"
@@ -7,8 +8,11 @@
 #include "common/base/exit_codes.hpp"
 #include "common/base/json_text.hpp"
 #include "common/base/printable.hpp"
+#include "common/base/printed_output.hpp"
 
-int main(int argc, char** argv) {
+namespace {
+
+int run(int argc, char** argv) {
   try {
     const auto options = fracture::app::parse_options(argc, argv);
     if (!options) return options.error().code;
@@ -36,4 +40,16 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "fracture-client: %s\n", error.what());
     return fracture::kExitInternal;
   }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  fracture::occupy_standard_streams();
+  const int code = run(argc, argv);
+  if (const int reason = fracture::finish_printed(); reason != 0) {
+    std::fprintf(stderr, "fracture-client: cannot write standard output: %s\n", std::strerror(reason));
+    return fracture::kExitSystem;
+  }
+  return code;
 }

@@ -1,6 +1,7 @@
 // fracture-render: pictures of GLB files, without a window.
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <cstring>
 #include <exception>
 #include <iostream>
 #include <nlohmann/json.hpp>
@@ -10,6 +11,7 @@
 #include "client/cli/sheet.hpp"
 #include "client/egl/egl_context.hpp"
 #include "common/base/exit_codes.hpp"
+#include "common/base/printed_output.hpp"
 
 namespace {
 
@@ -77,9 +79,7 @@ Expected<void> run(const Command& command) {
   return write_png(*picture, command.output);
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int run_program(int argc, char** argv) {
   CLI::App app("Renders GLB files to pictures without a window.", "fracture-render");
   Command command;
   app.add_option_function<std::string>(
@@ -140,4 +140,16 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "fracture-render: a bug: %s\n", bug.what());
     return kExitInternal;
   }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  fracture::occupy_standard_streams();
+  const int code = run_program(argc, argv);
+  if (const int reason = fracture::finish_printed(); reason != 0) {
+    std::fprintf(stderr, "fracture-render: cannot write standard output: %s\n", std::strerror(reason));
+    return kExitSystem;
+  }
+  return code;
 }

@@ -6,7 +6,7 @@ namespace fracture {
 
 inline constexpr int kExitDone = 0;  ///< success; `health`: healthy; `inspect`: a closed solid without repair
 inline constexpr int kExitSystem =
-    1;  ///< a file, port, display or server is not available; `health`: not healthy
+    1;  ///< a file, standard output, port, display or server is not available; `health`: not healthy
 inline constexpr int kExitUsage =
     2;  ///< the command line is wrong, or a manifest, rules or settings that it names
 inline constexpr int kExitRefused = 3;        ///< the mesh or a parameter is refused

@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cerrno>
+#include <cstring>
 #include <filesystem>
 #include <utility>
 
@@ -60,6 +61,15 @@ std::optional<std::string> read_bytes(const std::string& path, const std::stop_t
   errno = reason;
   if (!good) return std::nullopt;
   return bytes;
+}
+
+std::optional<std::string> fault_of_input(const std::string& path) {
+  if (path == kStandardStream) return std::nullopt;
+  struct stat found {};
+  if (::stat(path.c_str(), &found) != 0 || ::faccessat(AT_FDCWD, path.c_str(), R_OK, AT_EACCESS) != 0)
+    return std::strerror(errno);
+  if (S_ISDIR(found.st_mode)) return std::strerror(EISDIR);
+  return std::nullopt;
 }
 
 Expected<InputFile> to_input(const std::string& path, std::string bytes,

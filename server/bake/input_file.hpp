@@ -24,6 +24,10 @@ struct InputFile {
 /// failure; errno is ECANCELED if a stop was requested while waiting for data.
 std::optional<std::string> read_bytes(const std::string& path, const std::stop_token& stop = {});
 
+/// Returns why a file cannot be read, as far as that is known without reading it: it is missing, a folder, or not
+/// permitted. Returns nothing for standard input.
+std::optional<std::string> fault_of_input(const std::string& path);
+
 /// Prepares the mesh that was read from `path`. Its format is the one in the parameters, else it follows from
 /// the file extension, else from the first bytes (kUnknownFormat if none of them decides). Also reads the
 /// files that the mesh refers to, except for standard input, which has no folder to find them in.

@@ -10,8 +10,10 @@
 #include "common/base/json_reader.hpp"
 #include "common/base/json_text.hpp"
 #include "common/base/printable.hpp"
+#include "server/bake/input_file.hpp"
 #include "server/bake/output_path.hpp"
 #include "server/bake/rule_parameters.hpp"
+#include "server/bake/sentences.hpp"
 #include "server/bake/wrong.hpp"
 
 namespace fracture::bake {
@@ -108,6 +110,14 @@ void check_parameters(const std::vector<BakeJob>& jobs, const RuleFile& rules, c
     const auto [at, fresh] = fault_of_parameters.try_emplace(json_text(key));
     if (fresh) at->second = fault_of(job, rules, parse);
     if (!at->second.empty()) faults.add(job.line, at->second);
+  }
+}
+
+void check_inputs(const std::vector<BakeJob>& jobs, LineFaults& faults) {
+  for (const BakeJob& job : jobs) {
+    if (job.line == 0) continue;
+    if (const std::optional<std::string> fault = fault_of_input(job.input))
+      faults.add(job.line, "warning: cannot read " + name_of_input(job.input) + ": " + *fault + ".");
   }
 }
 

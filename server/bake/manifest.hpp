@@ -17,4 +17,7 @@ Expected<std::vector<BakeJob>> read_manifest(const BakeSource& source, LineFault
 void check_parameters(const std::vector<BakeJob>& jobs, const RuleFile& rules, const ParseParameters& parse,
                       LineFaults& faults);
 
+/// Adds a fault for each manifest line whose input is missing, a folder, or not permitted to be read.
+void check_inputs(const std::vector<BakeJob>& jobs, LineFaults& faults);
+
 }  // namespace fracture::bake

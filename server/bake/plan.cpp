@@ -102,6 +102,7 @@ Expected<BakePlan> plan_bake(const BakeSource& given, const ParseParameters& par
   if (!source.stages.empty() && !plan.single)
     return wrong("--dump-stages requires exactly one mesh and one output file.");
   if (source.report.empty() && !plan.single) source.report = report_beside(source);
+  plan.manifest = source.manifest;
   plan.report = source.report;
 
   if (!source.rules.empty()) {

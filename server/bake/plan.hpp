@@ -45,6 +45,7 @@ struct BakePlan {
   std::size_t all = 0;        ///< number of jobs in all shards
   bool single = false;        ///< one input file and one output file: messages are about one file
   RuleFile rules{};
+  std::string manifest{};            ///< path; empty: none
   std::string report;                ///< path; empty: none
   std::string html{};                ///< path of the page; empty: none
   std::vector<std::string> skipped;  ///< paths of results of earlier bakes found in the inputs

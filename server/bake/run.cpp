@@ -24,6 +24,7 @@
 #include "server/bake/failure.hpp"
 #include "server/bake/html_report.hpp"
 #include "server/bake/input_file.hpp"
+#include "server/bake/manifest.hpp"
 #include "server/bake/named_files.hpp"
 #include "server/bake/output_files.hpp"
 #include "server/bake/output_folders.hpp"
@@ -59,6 +60,7 @@ class Run {
   }
 
   RunFigures operator()() {
+    warn_of_inputs();
     figures_.begun = can_write();
     if (!figures_.begun) return figures_;
     {
@@ -84,6 +86,13 @@ class Run {
   }
 
  private:
+  /// Names the lines of a manifest whose input is missing. Their jobs are tried and reported all the same.
+  void warn_of_inputs() {
+    LineFaults faults(plan_.manifest);
+    check_inputs(plan_.jobs, faults);
+    if (!faults.empty()) say(faults.error().detail);
+  }
+
   /// Checks that all outputs can be written, except those of earlier runs, which may be kept.
   bool can_write() {
     if (const int trouble = report_.trouble()) {

@@ -20,6 +20,7 @@
 #include <utility>
 
 #include "common/base/printable.hpp"
+#include "common/base/printed_output.hpp"
 #include "common/base/words.hpp"
 #include "server/bake/explain.hpp"
 #include "server/bake/failure.hpp"
@@ -256,7 +257,7 @@ int explain(const bake::BakePlan& plan, bake::Baker& baker, std::size_t allowed,
   }
   if (plan.jobs.size() == plan.all)
     for (const std::string& warning : tally.warnings()) say("warning: " + warning);
-  if (std::fflush(stdout) != 0 || unreadable > 0) return kExitSystem;
+  if (flush_printed() != 0 || unreadable > 0) return kExitSystem;
   return refused > allowed ? kExitRefused : kExitDone;
 }
 

@@ -14,6 +14,7 @@
 
 #include "common/base/json_text.hpp"
 #include "common/base/printable.hpp"
+#include "common/base/printed_output.hpp"
 #include "common/base/words.hpp"
 #include "common/contacts/contact_report.hpp"
 #include "common/gltf/report_text.hpp"
@@ -212,6 +213,7 @@ int print_one(const InspectOptions& options, const std::string& input, const Ins
     std::printf("%s: refused: %s\n", input.c_str(), printable_lines(bake::to_lines(*found.error)).c_str());
   else
     print(input, *found.mesh, found.asked, found.exit_code == kExitRepaired);
+  flush_printed();
   return found.exit_code;
 }
 
@@ -234,12 +236,12 @@ int inspect_many(const InspectOptions& options, Inspector& inspector) {
   InspectSummary summary;
   const auto print_line = [&](const std::string& line) {
     std::printf("%s\n", line.c_str());
-    std::fflush(stdout);  // so that people see the progress
+    return flush_printed() == 0;  // so that people see the progress
   };
   for (const bake::FoundMesh& mesh : search.found()) {
     const Inspected found = inspector.look_at(mesh.path);
     summary.add(found.report, found.exit_code);
-    print_line(options.json ? json_text(found.report) : line_of(found.report));
+    if (!print_line(options.json ? json_text(found.report) : line_of(found.report))) return kExitSystem;
   }
   for (const std::string& link : search.dangling()) {
     summary.add_dangling(link);

@@ -7,6 +7,7 @@
 #include <map>
 
 #include "common/base/nearest_name.hpp"
+#include "common/base/printed_output.hpp"
 #include "common/parameters/groups.hpp"
 #include "common/pipeline/algorithm_version.hpp"
 #include "server/cli/command_line_words.hpp"
@@ -370,6 +371,7 @@ int run(int argc, char** argv) {
       std::fprintf(stderr, "%s: %s\nRun %s --help for a list.\n", program.c_str(), unknown->c_str(),
                    program.c_str());
     } else if (app.exit(e) == 0) {
+      flush_printed();
       return kExitDone;
     }
     return kExitUsage;
@@ -385,6 +387,7 @@ int run(int argc, char** argv) {
   if (!errors.empty()) return kExitUsage;
   if (command.print_config) {
     std::fputs(to_config_file(settings, given).c_str(), stdout);
+    flush_printed();
     return kExitDone;
   }
   serve_options.configuration = to_json(settings);

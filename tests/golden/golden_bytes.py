@@ -3,7 +3,10 @@
 
     golden_bytes.py PROGRAM            compares the answers of fracture-server with golden_bytes.tsv; exits with 1 if they differ
     golden_bytes.py PROGRAM --write    stores the hashes of today's answers, under today's algorithm version
-    ... --write --unreleased           also if bytes changed under the stored version: only before a release has that version
+    ... --write --unreleased           also if bytes changed under the stored version, which is not released yet
+
+A version is unreleased while the newest heading of CHANGELOG.md is "## Algorithm 28 - unreleased"; otherwise --unreleased is refused. Once a
+commit has replaced that word by a day, the test golden_bytes fails if a later commit changes a stored hash of the version.
 
 Caches are keyed by the algorithm version. If bytes change and the version does not, every cache mixes old and new bytes.
 The hashes show that bytes changed, not that they are right: the invariants and the judges show that.
@@ -19,7 +22,9 @@ import tempfile
 
 from golden_requests import MESHES, REQUESTS
 
-STORED = pathlib.Path(__file__).resolve().parent / "golden_bytes.tsv"
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+CHANGELOG = ROOT / "CHANGELOG.md"
+STORED = ROOT / "tests/golden/golden_bytes.tsv"
 
 
 def algorithm_of(program):
@@ -49,8 +54,39 @@ def hashes_of(folder):
 
 def read_stored():
     """Returns the stored algorithm version, and the stored hashes by name."""
-    first, *rows = STORED.read_text().splitlines()
+    return read_table(STORED.read_text())
+
+
+def read_table(text):
+    """Returns the algorithm version of a file of hashes, and the hashes by name."""
+    first, *rows = text.splitlines()
     return int(first.split("\t")[1]), dict(row.split("\t") for row in rows)
+
+
+def newest_heading(changelog):
+    """Returns the newest algorithm version in the text of CHANGELOG.md, and its day or "unreleased"."""
+    version, day = re.search(r"^## Algorithm (\d+) - (\S+)$", changelog, re.MULTILINE).groups()
+    return int(version), day
+
+
+def refusal_of_unreleased(version, changelog):
+    """Returns why the hashes of this version must not be replaced, or None if they may."""
+    if newest_heading(changelog) == (version, "unreleased"):
+        return None
+    return (f"--unreleased is refused: the newest heading of CHANGELOG.md is not \"## Algorithm {version} - unreleased\". Caches may have "
+            f"answers of a released version: raise kAlgorithmVersion (common/pipeline/algorithm_version.hpp) instead")
+
+
+def change_after_release(table, base_table, base_changelog):
+    """Compares the text of a file of hashes with the one of an earlier commit. Returns the fault if that commit had released the version and
+    hashes differ, else None."""
+    version, hashes = read_table(table)
+    base_version, base_hashes = read_table(base_table)
+    released = re.search(rf"^## Algorithm {version} - \d", base_changelog, re.MULTILINE)
+    changed = sorted(name for name in hashes.keys() & base_hashes.keys() if hashes[name] != base_hashes[name])
+    if version != base_version or not released or not changed:
+        return None
+    return f"Algorithm {version} was released, and then its stored hashes of these answers changed: {', '.join(changed)}. Raise kAlgorithmVersion"
 
 
 def write_stored(version, hashes):
@@ -80,6 +116,8 @@ def main():
     parser.add_argument("--unreleased", action="store_true")
     options = parser.parse_args()
     version = algorithm_of(options.program)
+    if options.unreleased and (refused := refusal_of_unreleased(version, CHANGELOG.read_text(encoding="utf-8"))):
+        sys.exit(f"golden_bytes: {refused}")
     with tempfile.TemporaryDirectory() as folder:
         hashes = hashes_of(make_answers(options.program, pathlib.Path(folder)))
     stored_version, stored = read_stored() if STORED.exists() else (0, {})

@@ -2,6 +2,8 @@
 """Tests that the answers have the stored bytes. The comparison must find one flipped bit, a version that was forgotten
 and one that was not stored."""
 import pathlib
+import shutil
+import subprocess
 import sys
 import tempfile
 import unittest
@@ -50,6 +52,41 @@ class GoldenBytes(unittest.TestCase):
         fewer = dict(self.hashes)
         del fewer["uniform.glb"]
         self.assertIn("uniform.glb", golden_bytes.complaint(self.version, fewer, self.version, self.hashes))
+
+    def test_a_released_version_keeps_its_hashes(self):
+        def at_base(name):
+            done = subprocess.run(["git", "-C", str(golden_bytes.ROOT), "show", f"{base}:{name}"], capture_output=True, text=True)
+            if done.returncode != 0:
+                self.skipTest(f"git has no {name} at the base {base}")
+            return done.stdout
+        if not shutil.which("git") or not (golden_bytes.ROOT / ".git").exists():
+            self.skipTest("this is no checkout of git")
+        sys.path.insert(0, str(golden_bytes.ROOT / "scripts/lib"))
+        from checks.checkout import Checkout
+        base = Checkout(golden_bytes.ROOT).base
+        if not base:
+            self.skipTest("there is no commit to compare with")
+        self.assertIsNone(golden_bytes.change_after_release(golden_bytes.STORED.read_text(), at_base("tests/golden/golden_bytes.tsv"),
+                                                            at_base("CHANGELOG.md")))
+
+
+class Released(unittest.TestCase):
+    """The rules for the hashes of a version that is or is not released."""
+
+    undated, dated = (f"# Changelog\n\n## Algorithm 28 - {day}\n\n### Added\n\n## Algorithm 27 - 2026-11-30\n"
+                      for day in ("unreleased", "2026-12-24"))
+
+    def test_only_hashes_of_the_newest_version_that_is_unreleased_are_replaced(self):
+        self.assertIsNone(golden_bytes.refusal_of_unreleased(28, self.undated))
+        for version, changelog in ((28, self.dated), (27, self.undated), (29, self.undated)):
+            self.assertIn(f'is not "## Algorithm {version} - unreleased"', golden_bytes.refusal_of_unreleased(version, changelog))
+
+    def test_a_hash_that_changes_after_the_release_is_found(self):
+        before, after, more = "algorithm\t28\na.glb\t01\n", "algorithm\t28\na.glb\t02\n", "algorithm\t28\na.glb\t01\nb.glb\t03\n"
+        self.assertIn("changed: a.glb", golden_bytes.change_after_release(after, before, self.dated))
+        for table, base, changelog in ((after, before, self.undated), (before, before, self.dated), (more, before, self.dated),
+                                       (after.replace("28", "29"), before, self.dated)):
+            self.assertIsNone(golden_bytes.change_after_release(table, base, changelog))
 
 
 if __name__ == "__main__":

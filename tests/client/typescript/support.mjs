@@ -116,7 +116,7 @@ export async function fake(test, handle, port = 0) {
   return server;
 }
 
-/** Starts fracture-server on free ports, until this program ends or kill() is called: {url, admin, kill}. */
+/** Starts fracture-server on free ports, until this program ends or kill() is called: {url, admin, pid, kill}. */
 export async function realServer(...flags) {
   const server = spawn(program, ['serve', '--port', '0', '--admin-port', '0', '--threads', '2', '--drain-delay', '0', '--grace', '1',
     '--log-format', 'json', ...flags], { stdio: ['ignore', 'ignore', 'pipe'] });
@@ -134,7 +134,7 @@ export async function realServer(...flags) {
   // The server does not keep this program alive.
   server.unref();
   server.stderr.unref();
-  return { url: `http://127.0.0.1:${ports[1]}`, admin: `http://127.0.0.1:${ports[2]}`, kill };
+  return { url: `http://127.0.0.1:${ports[1]}`, admin: `http://127.0.0.1:${ports[2]}`, pid: server.pid, kill };
 }
 
 /**

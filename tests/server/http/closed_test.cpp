@@ -4,6 +4,7 @@
 
 #include <sys/resource.h>
 
+#include <atomic>
 #include <memory>
 #include <thread>
 #include <vector>
@@ -89,6 +90,25 @@ TEST_F(Closed, ACloseOfBothSidesStopsTheComputationToo) {
   expect_nothing_held();
   wait_for_connections(0);
   EXPECT_EQ(server.control->cancelled, 1);
+}
+
+TEST_F(Closed, TheComputationStopsSoonAfterTheClose) {
+  const auto done = std::make_shared<std::atomic<int>>(0);
+  server.control->during_cut = [done](const Execution& execution) {
+    for (int k = 0; k < 60'000; ++k) {
+      std::this_thread::sleep_for(milliseconds(1));  // pause: work that takes a minute
+      ++*done;
+      execution.poll();
+    }
+  };
+  RawClient& client = connect(post("/fracture"));
+  require_eventually(kPatience, "the work to begin", [&] { return *done > 0; });
+  client.half_close();
+  const int before = *done;
+  EXPECT_EQ(client.receive()->status, 499);
+  expect_nothing_held();
+  EXPECT_EQ(server.control->cancelled, 1);
+  EXPECT_LT(*done - before, 500) << "milliseconds of work that were done for nobody";
 }
 
 TEST_F(Closed, AClientThatSaysThatItStillReadsGetsItsAnswer) {

@@ -201,6 +201,23 @@ TEST_F(BakeProgram, AFolderThatCannotBeWrittenToIsFoundBeforeAnythingIsMade) {
   EXPECT_THAT(err, HasSubstr("'file/out' cannot be written to"));
 }
 
+TEST_F(BakeProgram, MissingInputsOfAManifestAreNamedFirstAndTheOthersAreMade) {
+  folder.write(".m", R"({"input": "absent.off", "output": "a.glb"}
+{"input": "cube.off", "output": "good.glb", "parameters": {"sites": 5}}
+
+{"input": "absent.off", "output": "b.glb"}
+{"input": "in", "output": "c.glb"}
+)");
+  EXPECT_EQ(shell("$f bake --manifest .m -q -j 1"), 1);
+  EXPECT_THAT(err,
+              StartsWith("fracture-server bake: Lines 1, 4 of '.m': warning: cannot read absent.off: No such "
+                         "file or directory.\nLine 5 of '.m': warning: cannot read in: Is a directory.\n"));
+  EXPECT_TRUE(fs::exists(folder / "good.glb"));
+  EXPECT_FALSE(fs::exists(folder / "a.glb"));
+  EXPECT_EQ(shell("$f bake --manifest .m -q -j 1 --shard 1/4"), 0) << err;
+  EXPECT_EQ(err, "") << "other shards name theirs";
+}
+
 TEST_F(BakeProgram, ResultsInTheFolderOfTheMeshesAreNotBakedAgain) {
   ASSERT_EQ(shell("$f bake in -o in --sites 5 --allow-refused 1 -q"), 0) << err;
   const auto first = outputs(folder / "in");
