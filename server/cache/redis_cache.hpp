@@ -59,6 +59,10 @@ class RedisCache {
   /// Counts an entry as damaged. For entries from find() that are intact but have wrong content. The next insert() replaces
   /// the entry.
   void refuse();
+  /// Decodes a value; nothing if it is not an intact entry. Sets `no_room` if it was not decoded because `room` refused.
+  /// Public for the fuzz target.
+  std::optional<StoredEntry> decoded(std::span<const std::uint8_t> value, const std::string& key,
+                                     const Room& room, bool& no_room) const;
 
   RedisFigures figures() const;
 
@@ -72,9 +76,6 @@ class RedisCache {
   Connection connect();
   Connection open(Clock::time_point deadline);
   SignedAs signed_as(std::string_view key) const { return {"redis", key, config_.algorithm}; }
-  /// Decodes a value; nothing if it is not an intact entry. Sets `no_room` if it was not decoded because `room` refused.
-  std::optional<StoredEntry> decoded(std::span<const std::uint8_t> value, const std::string& key,
-                                     const Room& room, bool& no_room) const;
 
   const RedisConfig config_;
   std::string host_;

@@ -131,11 +131,12 @@ Answered Api::get_fracture(const std::shared_ptr<Request>& request, const std::s
   // Reading blocks, so it must not run on this thread.
   OrProblem<Terms> terms = terms_of(*request, gone);
   if (!terms) return tl::unexpected<Problem>(std::move(terms.error()));
-  const auto read = [this, request, key, reply](const Execution& execution) -> Answered {
+  const auto read = [this, request, key, reply,
+                     client = terms->payer.flow.name](const Execution& execution) -> Answered {
     FractureAnswer answer;
     MemoryBudget::Reservation reading(dispatcher_.working());
     if (!service_.fetch_result(
-            key, answer, [&](std::uint64_t needed) { return reading.grow_to(needed); }, execution))
+            key, answer, [&](std::uint64_t needed) { return reading.grow_to(needed); }, execution, client))
       return tl::unexpected<Problem>(
           Problem(ErrorCode::kOverloaded, "There is not enough memory to read this result now.")
               .with("Retry-After", "2"));

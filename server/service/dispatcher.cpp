@@ -269,7 +269,7 @@ void Dispatcher::begin(const Shared& c, int threads) {
     // If there is no room to read the result, it is computed within the memory that was set aside.
     service_.fetch_result(
         c->keys.result, c->answer, [&reading](std::uint64_t bytes) { return reading.grow_to(bytes); },
-        c->execution(threads, c->flight->stop()));
+        c->execution(threads, c->flight->stop()), urgency.turn().name);
     if (c->answer.result) return end(c, std::move(c->answer));
   }
   obtain_mesh(c, threads);
@@ -339,7 +339,8 @@ void Dispatcher::with_diagram(const Shared& c, const Outcome<CutBase>& diagram, 
     const Meter meter(spent);
     made = guarded([&] {
       return service_.make_result(*c->mesh, *diagram->value, c->request, c->keys,
-                                  c->execution(threads, c->flight->stop()), c->answer);
+                                  c->execution(threads, c->flight->stop()), c->answer,
+                                  c->flight->common.urgency.turn().name);
     });
   }
   if (!made) return end(c, tl::unexpected<Error>(std::move(made.error())));

@@ -146,6 +146,13 @@ class FairQueue {
     return item;
   }
   void end(Client& client) { --client.running; }
+  /// Removes the newest queued task of this client and class and returns it. There must be one.
+  Item take_newest(const Next& next) {
+    std::deque<Item>& from = next.client->line(next.priority).queue;
+    Item item = std::move(from.back());
+    from.pop_back();
+    return item;
+  }
 
   /// Removes a queued task and returns it. Returns nothing if it is not here, or if it is a resumed task.
   std::optional<Item> remove(std::uint64_t id) {

@@ -1,22 +1,25 @@
 // The cache tiers below memory, for results: this server's disk (L1), then a Redis that several servers share (L2).
-// Reading blocks and happens on a pool thread. Writing happens after the answer, on a thread of its own. If writing cannot
-// keep up, results are dropped, because a cache may always miss.
+// Reading blocks and happens on a pool thread. Writing happens after the answer, on a separate thread, and clients take turns
+// (fair_queue.hpp). If writing cannot keep up, results are dropped, because a cache may always miss. The client that
+// holds the most loses its newest result, as the longest queue does in McKenney 1990 ("Stochastic fairness queueing",
+// INFOCOM). So no client loses results because of others that hold more.
 #pragma once
 
 #include <chrono>
 #include <condition_variable>
 #include <cstddef>
 #include <cstdint>
-#include <deque>
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <thread>
 
 #include "common/base/execution.hpp"
 #include "server/cache/disk_cache.hpp"
 #include "server/cache/redis_cache.hpp"
+#include "server/service/fair_queue.hpp"
 #include "server/service/result.hpp"
 
 namespace fracture {
@@ -27,7 +30,8 @@ struct TiersConfig {
   RedisConfig redis;       ///< no Redis tier if the address is empty; ResultTiers sets its keys and algorithm
   FarmKeys keys;           ///< sign entries written to Redis, and verify entries read from it
   bool sign_disk = false;  ///< also sign and verify entries on the disk with these keys
-  std::size_t max_pending_bytes = 64u << 20;  ///< limit on results that wait to be written
+  std::size_t max_pending_bytes = 64u
+                                  << 20;  ///< limit on results that wait for the one that is being written
 };
 
 struct TiersFigures {
@@ -64,17 +68,19 @@ class ResultTiers {
     CacheOutcome disk = CacheOutcome::kNotConsulted, redis = CacheOutcome::kNotConsulted;
     bool no_room = false;  ///< an entry exists, but was not read because memory is short
   };
-  /// Looks for a result in all tiers. Blocks. A result found in Redis is also written to the disk. Before an entry is read,
-  /// `room` decides whether that many bytes may be held; an empty function always allows it.
-  Found find(const std::string& key, const Room& room = {}, const Execution& execution = kUninterrupted);
-  /// Queues the result to be written, and returns at once.
-  void store(std::shared_ptr<const FractureResult> result);
+  /// Looks for a result in all tiers. Blocks. A result found in Redis is also written to the disk, at this client's turn
+  /// (Flow::name). Before an entry is read, `room` decides whether that many bytes may be held; an empty function always
+  /// allows it.
+  Found find(const std::string& key, const Room& room = {}, const Execution& execution = kUninterrupted,
+             const std::string& client = {});
+  /// Queues the result to be written at this client's turn (Flow::name), and returns at once.
+  void store(std::shared_ptr<const FractureResult> result, const std::string& client = {});
   /// Blocks until all pending results are written, at most until that time.
   void flush(std::chrono::steady_clock::time_point until = std::chrono::steady_clock::time_point::max());
   /// Returns whether the disk has an entry for this key.
   bool on_disk(const std::string& key) const { return disk_ && disk_->size_of(key).has_value(); }
-  /// Makes sure that the result is on the disk, whichever thread writes it. Blocks. Returns false if that is impossible:
-  /// there is no disk tier, no room, or the system reports an error.
+  /// Makes sure that the result is on the disk, whichever thread writes it. Blocks, but not for results that wait to be
+  /// written. Returns false if that is impossible: there is no disk tier, no room, or the system reports an error.
   bool keep_on_disk(const std::shared_ptr<const FractureResult>& result);
   /// Returns the size of this key's entry on the disk; 0 if there is none.
   std::uint64_t bytes_on_disk(const std::string& key) const {
@@ -96,7 +102,25 @@ class ResultTiers {
   TiersFigures figures() const;
 
  private:
+  struct Pending {  ///< see FairQueue
+    std::uint64_t id;
+    double cost;
+    Flow flow;
+    std::chrono::steady_clock::time_point arrival;
+    std::shared_ptr<const FractureResult> result;
+    bool to_redis;
+  };
+  using Queue = FairQueue<Pending>;
+
+  void enqueue(std::shared_ptr<const FractureResult> result, bool to_redis, const std::string& client);
+  /// Drops waiting results of other clients until a result of this client with this many bytes fits. Returns false, and
+  /// drops nothing, if its client would then hold the most, or if the other clients' first results leave no room. Requires
+  /// the lock.
+  bool make_room(const std::string& client, std::size_t bytes);
   void write_pending();
+  void write(const Pending& pending);
+  /// Writes the entry unless it is there. Waits while another thread writes it. Returns whether it is there.
+  bool write_to_disk(const CacheEntry& entry);
 
   std::optional<Error> disk_unusable_;
   std::unique_ptr<DiskCache> disk_;
@@ -104,16 +128,12 @@ class ResultTiers {
   const std::size_t max_pending_bytes_;
   mutable std::mutex mutex_;
   std::condition_variable wake_, written_;
-  struct Pending {
-    std::shared_ptr<const FractureResult> result;
-    bool to_redis;
-  };
-  void enqueue(Pending pending);
-  std::deque<Pending> pending_;
+  Queue pending_;
   std::size_t pending_bytes_ = 0;
-  std::uint64_t dropped_ = 0;
+  std::uint64_t next_ = 0, dropped_ = 0;
   bool stopping_ = false;
-  std::string writing_;  ///< key of the result that is being written; empty: none
+  std::optional<std::string> writes_for_;  ///< client whose result is being written
+  std::set<std::string> to_disk_;          ///< keys that are being written to the disk
   std::thread writer_;
 };
 

@@ -168,8 +168,8 @@ std::uint64_t FractureService::earlier_bytes(const std::vector<RawParameter>& gi
 }
 
 bool FractureService::fetch_result(const std::string& key, FractureAnswer& answer, const Room& room,
-                                   const Execution& execution) {
-  ResultTiers::Found found = tiers_.find(key, room, execution);
+                                   const Execution& execution, const std::string& client) {
+  ResultTiers::Found found = tiers_.find(key, room, execution, client);
   answer.disk_cache = found.disk;
   answer.redis_cache = found.redis;
   if (!found.result) return !found.no_room;
@@ -320,7 +320,8 @@ Expected<Step<CutBase>> FractureService::make_diagram(const PreparedMesh& mesh,
 
 Expected<FracturedSolid> FractureService::make_result(const PreparedMesh& mesh, const CutBase& base,
                                                       const FractureRequest& request, const RequestKeys& keys,
-                                                      const Execution& execution, FractureAnswer& answer) {
+                                                      const Execution& execution, FractureAnswer& answer,
+                                                      const std::string& client) {
   if (execution.progress) execution.progress(Stage::kClip, 0);
   InteriorLook look = request.parameters.interior;
   look.has_maps = request.parameters.delta == DeltaAnswer::kOnly;
@@ -383,7 +384,7 @@ Expected<FracturedSolid> FractureService::make_result(const PreparedMesh& mesh, 
   answers_.insert(keys.result, canonical, memory_size(*canonical));
   answer.result = result;
   answer.result_cache = stored(results_.insert(keys.result, result, memory_size(*result)));
-  tiers_.store(std::move(result));
+  tiers_.store(std::move(result), client);
   return std::move(fractured);
 }
 

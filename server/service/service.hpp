@@ -119,9 +119,9 @@ class FractureService {
   /// Returns whether there are cache tiers below memory.
   bool has_tiers() const { return tiers_.any(); }
   /// Looks for a result in the tiers and copies it to memory. Blocks. Sets the result in `answer` (null: not found) and the
-  /// cache outcomes. Returns false if the result exists but `room` does not allow reading it.
+  /// cache outcomes. Returns false if the result exists but `room` does not allow reading it. `client`: see ResultTiers.
   bool fetch_result(const std::string& key, FractureAnswer& answer, const Room& room = {},
-                    const Execution& execution = kUninterrupted);
+                    const Execution& execution = kUninterrupted, const std::string& client = {});
 
   /// The single steps. Each computes its value without looking into the cache, and then stores it there. Errors: those of
   /// fracture(), but an interruption is thrown (Interrupted).
@@ -131,9 +131,11 @@ class FractureService {
                                        const RequestKeys& keys, const Execution& execution);
   /// Sets the result, its cache outcome and its timings in `answer`. Returns the fragments that the result was made from, so
   /// that the caller can reply before it frees them: freeing about ten thousand arrays takes a third of a millisecond.
+  /// `client`: see ResultTiers.
   Expected<FracturedSolid> make_result(const PreparedMesh& mesh, const CutBase& diagram,
                                        const FractureRequest& request, const RequestKeys& keys,
-                                       const Execution& execution, FractureAnswer& answer);
+                                       const Execution& execution, FractureAnswer& answer,
+                                       const std::string& client = {});
 
   struct Figures {
     CacheFigures meshes, diagrams, results;

@@ -173,6 +173,15 @@ TEST(FairQueue, ATaskTakenOutLeavesTheOthersInOrder) {
   EXPECT_EQ(queue.serve(), "ab");
 }
 
+TEST(FairQueue, AClientsNewestTaskIsTakenOut) {
+  Queue queue;
+  queue.add("a");
+  queue.add("b");
+  queue.add("a");
+  EXPECT_EQ(queue.take_newest(queue.first()).id, 3u);
+  EXPECT_EQ(queue.serve(), "ab");
+}
+
 TEST(FairQueue, ATaskThatAnotherWaitsForTakesTheSoonerTurn) {
   Queue queue;
   const auto as_expected = [](const Queue::Client&) { return 1.0; };
