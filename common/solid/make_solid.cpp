@@ -17,6 +17,7 @@
 #include "common/solid/part_colors.hpp"
 #include "common/solid/parts.hpp"
 #include "common/solid/polled.hpp"
+#include "common/solid/seams.hpp"
 #include "common/solid/sheet_surface.hpp"
 #include "common/solid/sheets.hpp"
 #include "common/solid/shells.hpp"
@@ -142,7 +143,11 @@ Enclosures rooms_to_wall(const Surface& surface, const Closed& closed, const Sol
 /// Fills the holes, splits the umbrellas and thickens the sheets.
 Closed close_surface(Surface& surface, bool open, const SolidOptions& options, std::vector<TriangleId>& fills,
                      SolidReport& report, const Execution& execution) {
-  if (open) fills = fill_holes(surface, seam_distance(box_of(surface, execution), options), execution);
+  if (open) {
+    const double distance = seam_distance(box_of(surface, execution), options);
+    weld_ends_of_seams(surface, distance, report, execution);
+    fills = fill_holes(surface, distance, execution);
+  }
   split_umbrellas(surface, execution);
   Closed closed{find_shells(surface, execution), {}};
   closed.lids = find_large_lids(surface, closed.shells, fills, execution);
