@@ -178,6 +178,22 @@ Expected<void> accept_reach(const Box& box) {
   return {};
 }
 
+/// Says why no shell bounds a volume, and what to do.
+std::string why_no_volume(const Surface& surface, const Shells& shells, const SolidReport& report,
+                          const Execution& execution) {
+  const std::string pieces = counted(report.shells_dropped, "piece", "pieces");
+  if (report.open_edges + report.nonmanifold_edges > 0)
+    return "after closing its holes, " + pieces + (report.shells_dropped == 1 ? " is" : " are") + " flat (" +
+           edges_in_words(report) +
+           "). Use sheets=solid to give sheets a volume, or 'thickness' to choose how thick they become.";
+  if (count_cancelling(surface, shells, execution) > 0)
+    return "it is closed (" + pieces +
+           "), but its parts of opposite winding cancel each other, or its two sides lie on each other. Repair "
+           "the mesh in a modelling tool, so that all its parts face outwards.";
+  return "it is closed (" + pieces +
+         "), but thinner than the precision of its coordinates. Make it thicker in a modelling tool.";
+}
+
 /// Groups the shells into parts, and turns those that face the wrong way. Returns the part of each shell.
 /// Errors: kMeshNotClosed if no shell bounds a volume, or if repair=strict would have to turn one.
 Expected<std::vector<std::uint32_t>> divide_into_parts(const Mesh& mesh, const EdgeFaults& faults,
@@ -202,12 +218,8 @@ Expected<std::vector<std::uint32_t>> divide_into_parts(const Mesh& mesh, const E
     inside_out += shells.list[s].triangles;
   });
   if (solid.parts.empty())
-    return refuse(
-        "The mesh has no volume: after closing its holes, " +
-            counted(report.shells_dropped, "piece is flat", "pieces are flat") + " (" +
-            edges_in_words(report) +
-            "). Use sheets=solid to give sheets a volume, or 'thickness' to choose how thick they become.",
-        faults, report);
+    return refuse("The mesh has no volume: " + why_no_volume(surface, shells, report, execution), faults,
+                  report);
   if (inside_out == 0) return part_of_shell;
   if (options.repair == Repair::kStrict) {
     report.flipped = inside_out;
