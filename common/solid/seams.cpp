@@ -76,7 +76,7 @@ class SeamFinder {
     Vec3d place;  ///< position of the end relative to the tip
   };
 
-  /// The vertex that stands for all vertices that count as the same.
+  /// The lowest of the vertices that count as the same vertex as v.
   VertexId named(VertexId v) const { return near_ == nullptr ? v : VertexId{near_->find(v)}; }
   /// Index of an open half-edge in open_.
   std::uint32_t number_of(HalfEdge h) const {

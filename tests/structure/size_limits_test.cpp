@@ -49,8 +49,8 @@ TEST(SizeLimits, WithoutAnyNothingIsUnited) {
   EXPECT_FALSE(made.report.size.limits.any()) << "none is in the file";
 }
 
-// The loop of x < 0 winds around its inside once, and the smaller loop of x > 0 minus once. Of the seven slices, the last two are
-// in the smaller loop: from 0.143 to 0.371 and to 0.6. The one before contains more of the smaller loop than of the larger.
+// The loop of x < 0 winds around its inside once, and the smaller loop of x > 0 minus once. The last two of
+// seven slices are in the smaller loop, beyond x = 0.143. The slice before contains more of the smaller loop than of the larger.
 TEST(SizeLimits, ManyPiecesThatAreInsideOutAreReported) {
   const Mesh mesh = prism_over({{-1, -1}, {0.6, 0.6}, {0.6, -0.6}, {-1, 1}});
   FractureParameters p;
@@ -59,7 +59,8 @@ TEST(SizeLimits, ManyPiecesThatAreInsideOutAreReported) {
   EXPECT_GE(made.set.size.inside_out, 2u);
   EXPECT_LE(made.set.size.inside_out, 3u);
   EXPECT_GE(made.set.certificate.united, made.set.size.inside_out);
-  EXPECT_TRUE(warns(made.report, "a negative volume, because the surface crosses itself with opposite winding"));
+  EXPECT_TRUE(
+      warns(made.report, "a negative volume, because the surface crosses itself with opposite winding"));
 
   p.size.min_of_mean = 0.01;  // the same pieces are merged, but as the smallest ones
   const Fractured limited = fracture_mesh(mesh, p);
