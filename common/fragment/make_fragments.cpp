@@ -163,6 +163,10 @@ std::vector<bool> assemble_groups(Assembly& assembly, const SizeLimits& limits, 
   for (std::uint32_t g = 0; g < n; ++g)
     if (assembly.groups.is_group(g)) all.push_back(g);
   assembly.make(all);
+  std::uint32_t inside_out = 0;
+  for (const std::uint32_t g : all)
+    inside_out += assembly.fragments[g].mass.volume < -kInsideOut * assembly.d.solid.report.volume;
+  out.size.inside_out = std::max(out.size.inside_out, inside_out);
   std::vector<bool> dropped(n, false);
   unite_without_volume(assembly, all, dropped, out.certificate);
   return dropped;

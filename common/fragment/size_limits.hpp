@@ -40,10 +40,16 @@ struct SizeLimits {
   bool operator==(const SizeLimits&) const = default;
 };
 
+/// A piece is inside out if its volume is below minus this share of the solid's volume. Rounding is far smaller.
+inline constexpr double kInsideOut = 1e-9;
+
 /// Effect of the limits.
 struct SizeFigures {
   /// Pieces that became part of another one, because of a limit or because pieces of several parts in one cell were joined.
   std::uint32_t united = 0;
+  /// Pieces of negative volume: the surface crosses itself there and turns inside out. They are united with a neighbour too, with
+  /// or without limits.
+  std::uint32_t inside_out = 0;
   std::uint32_t alone = 0;  ///< pieces below the minimum volume that stay, because they touch no other
   /// Parts of the solid, or groups of parts that hold together and share fragments; 0 unless SizeLimits::fragments is set.
   std::uint32_t parts = 0;

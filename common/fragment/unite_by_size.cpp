@@ -155,14 +155,15 @@ SizeFigures merge_by_size(const RestrictedDiagram& d, const Pieces& pieces, cons
   if (!limits.any()) return figures;
   Pacer pacer(execution);
   const std::vector<double> volumes = volumes_of_groups(d, pieces, groups, execution, limits.weights);
+  const double all = d.solid.report.volume;
   std::uint32_t count = 0;
   double smallest = HUGE_VAL;
   for (std::uint32_t g = 0; g < volumes.size(); ++g) {
     if (!groups.is_group(g)) continue;
     ++count;
+    figures.inside_out += volumes[g] < -kInsideOut * all;
     smallest = std::fmin(smallest, volumes[g]);
   }
-  const double all = d.solid.report.volume;
   // Usually nothing is too small, so contacts are not needed.
   if (limits.fragments == 0 && limits.max_fragments == 0 && limits.max_triangles == 0 &&
       smallest >= limits.least(all, count)) {
@@ -224,6 +225,7 @@ SizeFigures unite_by_size(const RestrictedDiagram& d, const Pieces& pieces, cons
   }
   const SizeFigures rest = merge_by_size(d, pieces, others, across, groups, execution);
   figures.united += joined + rest.united;
+  figures.inside_out = std::max(figures.inside_out, rest.inside_out);
   figures.alone = std::max(figures.alone, rest.alone);
   figures.parts = rest.parts;
   figures.min_volume = std::max(figures.min_volume, rest.min_volume);

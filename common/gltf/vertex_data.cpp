@@ -39,10 +39,11 @@ std::uint16_t narrow(std::uint32_t index, std::size_t) { return static_cast<std:
 /// The tolerance is well below that of validators, and well above the rounding of three floats.
 bool is_unit(const Vec3d& v) { return std::abs(dot(v, v) - 1) < 1e-5; }
 
-/// Scales v to unit length. Returns false if v has no direction.
+/// Scales v to unit length. Returns false if v has no direction. A product of edges of the smallest floats is
+/// about 1e-90, whose square does not underflow.
 bool normalise(Vec3d& v) {
   const double l = length(v);
-  if (!(l > 1e-30) || !std::isfinite(l)) return false;
+  if (!(l > 0) || !std::isfinite(l)) return false;
   v = {v.x / l, v.y / l, v.z / l};
   return true;
 }

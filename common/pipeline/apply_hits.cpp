@@ -293,6 +293,7 @@ class Hit {
         cut.kept_share -= (gone.fragment.mass.volume - kept) / c.volume_in;
       }
       cut.set.size.united += now.size.united;
+      cut.set.size.inside_out += now.size.inside_out;
       cut.set.size.alone += now.size.alone;
       cut.rough.triangles += now.rough.triangles;
       cut.rough.calmed += now.rough.calmed;

@@ -64,14 +64,20 @@ std::string names_of(const SizeLimits& size) {
   return names;
 }
 
+bool are_many_inside_out(const FragmentSet& set) {
+  const std::uint64_t pieces = std::uint64_t{set.certificate.cells} + set.certificate.islands;
+  return set.size.inside_out > 0 && 10 * std::uint64_t{set.size.inside_out} >= pieces;
+}
+
 std::string why_fewer(std::uint32_t asked, const FractureParameters& parameters, double kept_share,
                       bool instances, const FragmentSet& set) {
   if (parameters.keep && kept_share > kAllKept)
     return "the region of " + names_of(*parameters.keep) +
            " contains the whole mesh. Make the region smaller.";
   const Certificate& counts = set.certificate;
-  if (const std::uint64_t crossing = std::uint64_t{counts.united} - set.size.united;
-      counts.united > set.size.united)
+  const std::uint64_t united = counts.united - std::min(counts.united, set.size.united),
+                      crossing = std::max<std::uint64_t>(united, set.size.inside_out);
+  if (united > 0 || are_many_inside_out(set))
     return counted(crossing, "piece has no separate volume", "pieces have no separate volume") +
            ", because the surface crosses itself. Ask for more fragments, or repair the surface in a modelling tool.";
   SizeLimits others = parameters.size;

@@ -140,6 +140,18 @@ void report_size(const FractureParameters& p, bool instances, const SplitFigures
                  why_larger(p, split, kept_share * report.solid.volume >= kMostOfIt * largest));
 }
 
+void report_inside_out(const FragmentSet& set, Remarks& remarks) {
+  if (!are_many_inside_out(set)) return;
+  const std::uint32_t count = set.size.inside_out;
+  remarks.warn(
+      counted(count, "piece", "pieces") + " of " +
+      grouped(std::uint64_t{set.certificate.cells} + set.certificate.islands) +
+      (count == 1 ? " has" : " have") +
+      " a negative volume, because the surface crosses itself with opposite winding. Such pieces are merged "
+      "with their neighbours, so the answer has fewer and larger fragments. Repair the mesh in a modelling "
+      "tool, so that all its parts face outwards.");
+}
+
 void report_kept(const FractureParameters& p, const CutCells& cut, Report& report) {
   if (!p.keep) return;
   const std::string name = names_of(*p.keep);
@@ -258,6 +270,7 @@ Report make_report(const Solid& solid, const SiteNotes& sites, const FracturePar
     add_unnamed_nodes(*solid.source, whole.nodes, set, report.dropped, execution);
     if (!parameters.levels.empty()) add_nodes_without_group(*solid.source, report.dropped, execution);
   }
+  report_inside_out(set, report.remarks);
   report_kept(parameters, cut, report);
   report_structure(anchored, report);
   if (parameters.roughness.amplitude > 0) report_roughness(parameters, cut, report);

@@ -95,6 +95,7 @@ void make_rough_fragments(RestrictedDiagram& restricted, const FractureParameter
     cut.set = make_fragments(restricted, ownership, std::move(*pieces), parameters.pivot, limits, execution,
                              before, across ? &*across : nullptr, &touch_across);
     cut.set.size.parts += of_flat.parts;
+    cut.set.size.inside_out = std::max(cut.set.size.inside_out, of_flat.inside_out);
     if (!(roughness.amplitude > 0)) break;
     const Verdict verdict = judged(cut.set);
     if (verdict.sound()) break;

@@ -53,6 +53,7 @@ void add(const Certificate& own, Certificate& all) {
 
 void add(const SizeFigures& own, SizeFigures& all) {
   all.united += own.united;
+  all.inside_out += own.inside_out;
   all.alone += own.alone;
   all.parts += own.parts;
   all.min_volume = std::max(all.min_volume, own.min_volume);

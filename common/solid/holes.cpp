@@ -10,9 +10,7 @@
 #include "common/solid/seams.hpp"
 
 namespace fracture::solid_detail {
-namespace {
 
-/// Returns the open half-edge that follows h on a walk along the hole, that is, against the direction of h.
 HalfEdge next_along_hole(const Surface& surface, HalfEdge h, Pacer& pacer) {
   HalfEdge p = previous(h);
   while (surface.twin[p] != kNoIndex) {
@@ -21,6 +19,8 @@ HalfEdge next_along_hole(const Surface& surface, HalfEdge h, Pacer& pacer) {
   }
   return p;
 }
+
+namespace {
 
 /// Appends the triangles (indices into the loop), and glues them to the loop's half-edges and to each other.
 void glue_in(Surface& surface, const std::vector<HalfEdge>& loop, const std::vector<LoopTriangle>& fill,

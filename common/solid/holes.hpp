@@ -2,9 +2,13 @@
 #pragma once
 
 #include "common/base/execution.hpp"
+#include "common/base/pacer.hpp"
 #include "common/solid/surface.hpp"
 
 namespace fracture::solid_detail {
+
+/// Returns the open half-edge that follows the open half-edge h on a walk along the hole, that is, against the direction of h.
+HalfEdge next_along_hole(const Surface& surface, HalfEdge h, Pacer& pacer);
 
 /// Closes seams first: open edges along one line, within the tolerance (metres), are filled with triangles of
 /// almost no area (seams.hpp). Then traces the loops of open half-edges, turning around open fans, and fills

@@ -17,6 +17,7 @@
 #include "common/solid/part_colors.hpp"
 #include "common/solid/parts.hpp"
 #include "common/solid/polled.hpp"
+#include "common/solid/seams.hpp"
 #include "common/solid/sheet_surface.hpp"
 #include "common/solid/sheets.hpp"
 #include "common/solid/shells.hpp"
@@ -142,7 +143,11 @@ Enclosures rooms_to_wall(const Surface& surface, const Closed& closed, const Sol
 /// Fills the holes, splits the umbrellas and thickens the sheets.
 Closed close_surface(Surface& surface, bool open, const SolidOptions& options, std::vector<TriangleId>& fills,
                      SolidReport& report, const Execution& execution) {
-  if (open) fills = fill_holes(surface, seam_distance(box_of(surface, execution), options), execution);
+  if (open) {
+    const double distance = seam_distance(box_of(surface, execution), options);
+    weld_ends_of_seams(surface, distance, report, execution);
+    fills = fill_holes(surface, distance, execution);
+  }
   split_umbrellas(surface, execution);
   Closed closed{find_shells(surface, execution), {}};
   closed.lids = find_large_lids(surface, closed.shells, fills, execution);
@@ -173,6 +178,22 @@ Expected<void> accept_reach(const Box& box) {
   return {};
 }
 
+/// Says why no shell bounds a volume, and what to do.
+std::string why_no_volume(const Surface& surface, const Shells& shells, const SolidReport& report,
+                          const Execution& execution) {
+  const std::string pieces = counted(report.shells_dropped, "piece", "pieces");
+  if (report.open_edges + report.nonmanifold_edges > 0)
+    return "after closing its holes, " + pieces + (report.shells_dropped == 1 ? " is" : " are") + " flat (" +
+           edges_in_words(report) +
+           "). Use sheets=solid to give sheets a volume, or 'thickness' to choose how thick they become.";
+  if (count_cancelling(surface, shells, execution) > 0)
+    return "it is closed (" + pieces +
+           "), but its parts of opposite winding cancel each other, or its two sides lie on each other. Repair "
+           "the mesh in a modelling tool, so that all its parts face outwards.";
+  return "it is closed (" + pieces +
+         "), but thinner than the precision of its coordinates. Make it thicker in a modelling tool.";
+}
+
 /// Groups the shells into parts, and turns those that face the wrong way. Returns the part of each shell.
 /// Errors: kMeshNotClosed if no shell bounds a volume, or if repair=strict would have to turn one.
 Expected<std::vector<std::uint32_t>> divide_into_parts(const Mesh& mesh, const EdgeFaults& faults,
@@ -197,12 +218,8 @@ Expected<std::vector<std::uint32_t>> divide_into_parts(const Mesh& mesh, const E
     inside_out += shells.list[s].triangles;
   });
   if (solid.parts.empty())
-    return refuse(
-        "The mesh has no volume: after closing its holes, " +
-            counted(report.shells_dropped, "piece is flat", "pieces are flat") + " (" +
-            edges_in_words(report) +
-            "). Use sheets=solid to give sheets a volume, or 'thickness' to choose how thick they become.",
-        faults, report);
+    return refuse("The mesh has no volume: " + why_no_volume(surface, shells, report, execution), faults,
+                  report);
   if (inside_out == 0) return part_of_shell;
   if (options.repair == Repair::kStrict) {
     report.flipped = inside_out;

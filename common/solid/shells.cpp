@@ -15,15 +15,16 @@ Vec3d origin_of(const Surface& surface, const Shell& shell) {
   return to_double(surface.positions[surface.triangles[shell.first][0]]);
 }
 
-/// Whether the shell encloses no volume beyond rounding errors.
-bool is_flat(const Shell& shell) {
+/// The largest volume of a flat shell with this area and box, m³.
+double flat_volume(const Shell& shell) {
   double largest = 0;
   for (int axis = 0; axis < 3; ++axis)
     largest = std::fmax(largest, std::fmax(std::fabs(shell.box.min[axis]), std::fabs(shell.box.max[axis])));
-  const double volume = std::fabs(shell.volume);
-  return volume <= kFlatRatio * shell.area * std::sqrt(shell.area) ||
-         volume <= kThinnestRatio * largest * shell.area;
+  return std::fmax(kFlatRatio * shell.area * std::sqrt(shell.area), kThinnestRatio * largest * shell.area);
 }
+
+/// Whether the shell encloses no volume beyond rounding errors.
+bool is_flat(const Shell& shell) { return std::fabs(shell.volume) <= flat_volume(shell); }
 
 /// Sums the volumes of these shells again, with twice the digits.
 void refine_volumes(const Surface& surface, const std::vector<std::uint32_t>& cancelling, Shells& shells,
@@ -204,6 +205,24 @@ Shells find_shells(const Surface& surface, const Execution& execution) {
   }
   if (!cancelling.empty()) refine_volumes(surface, cancelling, shells, execution);
   return shells;
+}
+
+std::uint64_t count_cancelling(const Surface& surface, const Shells& shells, const Execution& execution) {
+  // A thin shell in a plane has only small terms. The rounding of its corners may double them a few times.
+  constexpr double kRounded = 8;
+  std::vector<double> sums = filled(execution, shells.list.size(), 0.0);
+  for_each_polled(execution, surface.triangles.size(), [&](std::size_t t) {
+    const std::uint32_t s = shells.of_triangle[t];
+    const Triangle& corners = surface.triangles[t];
+    const Vec3d a = to_double(surface.positions[corners[0]]), b = to_double(surface.positions[corners[1]]),
+                c = to_double(surface.positions[corners[2]]);
+    sums[s] += std::fabs(dot(a - origin_of(surface, shells.list[s]), cross(b - a, c - a))) / 6;
+  });
+  std::uint64_t count = 0;
+  for_each_polled(execution, sums.size(), [&](std::size_t s) {
+    count += shells.list[s].flat && sums[s] > kRounded * flat_volume(shells.list[s]);
+  });
+  return count;
 }
 
 }  // namespace fracture::solid_detail

@@ -30,4 +30,7 @@ struct Shells {
 /// Finds the shells. Volumes are summed in triangle order about the shell's first vertex.
 Shells find_shells(const Surface& surface, const Execution& execution);
 
+/// Counts the flat shells that are not thin: parts of them enclose volumes, which cancel in the sum.
+std::uint64_t count_cancelling(const Surface& surface, const Shells& shells, const Execution& execution);
+
 }  // namespace fracture::solid_detail

@@ -20,9 +20,9 @@ namespace fracture::solid_detail {
 Expected<Surface> weld_exact(const Mesh& mesh, SolidReport& report, const Execution& execution);
 
 /// Merges vertices of open edges that are nearer than `tolerance` (metres; chains of such pairs merge as one)
-/// into the vertex with the lowest id. Merges only clusters that make two open edges coincide. Returns true
-/// if something was merged; then triangles that became degenerate are dropped, and the edge table is out of
-/// date.
+/// into the vertex with the lowest id. Merges only clusters that make two open edges coincide;
+/// weld_ends_of_seams() merges others. Returns true if something was merged; then triangles that became
+/// degenerate are dropped, and the edge table is out of date.
 bool weld_tolerant(Surface& surface, const EdgeTable& edges, double tolerance, SolidReport& report,
                    const Execution& execution);
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cstring>
+#include <utility>
 
 #include "common/gltf/gltf_writer.hpp"
 #include "common/solid/cut_materials.hpp"
@@ -79,12 +80,15 @@ TEST(CutLooks, ReliefStandsBehindTheTexturesOfTheSource) {
 
 TEST(CutLooks, CutsUnderANormalMapHaveTheFrameThatTheirSourceLacks) {
   const FracturedSolid made = two_halves();  // its sides have the frames that this test needs
-  for (const bool normals : {false, true}) {
-    SCOPED_TRACE(normals);
+  // Products of edges of about 1e-20 m are about 1e-40. Powers of two do not change the directions of edges.
+  for (const auto& [normals, scale] :
+       {std::pair{false, 1.0f}, std::pair{true, 1.0f}, std::pair{false, 0x1p-66f}}) {
+    SCOPED_TRACE(testing::Message() << normals << ", " << scale);
     FracturedSolid bare = made;
     for (Fragment& f : bare.set.fragments) {
       f.attributes.tangents.clear();
       if (!normals) f.attributes.normals.clear();
+      for (Vec3f& p : f.positions) p = {scale * p.x, scale * p.y, scale * p.z};
     }
     GltfOptions options;
     options.interior.materials[0]["normalTexture"] = {{"index", 0}};

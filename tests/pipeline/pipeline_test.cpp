@@ -84,6 +84,23 @@ TEST(Pipeline, DuplicateSitesAreMergedAndReported) {
   EXPECT_EQ(made->set.certificate.sites_asked, 4u);
 }
 
+// The second of the four points is far away, and the third equals the first.
+TEST(Pipeline, SitesOfFragmentsAreNumbersOfTheCallersPoints) {
+  const Solid solid = solid_of(cube());
+  FractureParameters p;
+  p.pattern = PointsPattern{{{0.1, 0, 0}, {1000, 0, 0}, {0.1, 0, 0}, {-0.1, 0, 0}}};
+  StageTimings timings;
+  const auto made = fracture(solid, *make_diagram(solid, p, {}, timings), p, {}, timings);
+  ASSERT_TRUE(made);
+  EXPECT_EQ(made->report.sites.duplicates_merged, 1u);
+  EXPECT_EQ(made->report.sites.far_dropped, 1u);
+  ASSERT_EQ(made->set.fragments.size(), 2u);
+  for (const Fragment& f : made->set.fragments) {
+    ASSERT_EQ(f.sites.size(), 1u);
+    EXPECT_EQ(made->point_of_site.at(f.sites[0]), f.pivot.x > 0 ? 0u : 3u);
+  }
+}
+
 TEST(Pipeline, InTheSourcesFrameNothingIsMovedNorRoundedOtherwise) {
   Mesh mesh = sphere_with(2000);
   for (Vec3f& p : mesh.positions) p = {p.x + 30, p.y - 7, p.z + 0.3f};

@@ -6,9 +6,11 @@
 #include <nlohmann/json.hpp>
 #include <set>
 #include <stop_token>
+#include <string>
 
 #include "common/solid/solid.hpp"
 #include "tests/support/figures.hpp"
+#include "tests/support/growth_families.hpp"
 #include "tests/support/shapes.hpp"
 #include "tests/support/solids.hpp"
 
@@ -166,6 +168,21 @@ TEST(MakeSolid, RefusesASingleQuadWithCountsAndThePlace) {
   EXPECT_EQ(solid.error().code, ErrorCode::kMeshNotClosed);
   EXPECT_EQ(solid.error().extra->at("open_edges"), 4);
   EXPECT_EQ(solid.error().extra->at("edge").size(), 2u);
+}
+
+TEST(MakeSolid, SaysWhyAClosedMeshHasNoVolume) {
+  // Two triangular loops of equal size and opposite winding, and a plate far thinner than neighbouring floats at 1 m are apart.
+  const Expected<Solid> crossing = try_solid(prism_over({{-1, -1}, {1, 1}, {1, -1}, {-1, 1}})),
+                        thin = try_solid(thin_plate(1e-10, 1));
+  ASSERT_FALSE(crossing);
+  EXPECT_EQ(crossing.error().code, ErrorCode::kMeshNotClosed);
+  EXPECT_NE(crossing.error().detail.find("its parts of opposite winding cancel"), std::string::npos)
+      << crossing.error().detail;
+  ASSERT_FALSE(thin);
+  EXPECT_EQ(thin.error().code, ErrorCode::kMeshNotClosed);
+  EXPECT_NE(thin.error().detail.find("thinner than the precision of its coordinates"), std::string::npos)
+      << thin.error().detail;
+  EXPECT_NE(try_solid(open_quad()).error().detail.find("1 piece is flat (4 open edges"), std::string::npos);
 }
 
 TEST(MakeSolid, IsInterruptedByCancellation) {

@@ -92,6 +92,71 @@ TEST(Seams, FarFromTheOriginToo) {
   expect_whole(translated(turned(cube_of_faces({1, 8, 1, 4, 1, 1})), {1000, -2000, 500}), 1e-3);
 }
 
+/// Moves the four corners of the face of material 1 (+x), but not the vertices between them. `center`: of the cube, m.
+Mesh with_moved_corners(Mesh mesh, const Vec3f& by, const Vec3f& center = {0, 0, 0}) {
+  std::vector<char> of_face(mesh.positions.size(), 0);
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+    for (const std::uint32_t v : mesh.triangles[t])
+      if (mesh.material[t] == 1) of_face[v] = 1;
+  for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+    Vec3f& p = mesh.positions[v];
+    if (of_face[v] != 0 && std::fabs(p.y - center.y) == 0.5f && std::fabs(p.z - center.z) == 0.5f)
+      p = {p.x + by.x, p.y + by.y, p.z + by.z};
+  }
+  return mesh;
+}
+
+// The weld tolerance is 1.7e-6 m, a millionth of the diagonal. No edges of the two sides coincide, however near the ends are.
+TEST(Seams, TheirEndsNeedNotBeOneVertex) {
+  for (const float distance : {1e-7f, 1e-6f})
+    for (const int n : {4, 40}) {
+      SCOPED_TRACE(n);
+      SCOPED_TRACE(distance);
+      const Mesh mesh =
+          with_moved_corners(cube_of_faces({1, n, 1, 1, 1, 1}), {distance, -0.5f * distance, 0});
+      expect_whole(mesh, 1e-6);
+      const Solid solid = solid_of(mesh);
+      EXPECT_EQ(solid.report.welded_tolerant, 4u);
+      EXPECT_EQ(solid.report.holes_filled, 4u) << "one for each edge of the face";
+      EXPECT_EQ(solid.report.sheets, 0u);
+    }
+  expect_whole(with_moved_corners(cube_of_faces({1, 2, 3, 4, 5, 6}), {1e-7f, -1e-7f, 1e-7f}), 1e-6);
+}
+
+TEST(Seams, NothingMovesButTheirEnds) {
+  const Mesh mesh = with_moved_corners(cube_of_faces({1, 4, 1, 1, 1, 1}), {1e-6f, 0, 0});
+  const Solid solid = solid_of(mesh);
+  EXPECT_EQ(solid.positions.size(), 8u + 25u - 4u);
+  for (std::size_t t = 0; t < solid.triangles.size(); ++t)
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (solid.wedges[t][k] == kNoIndex) continue;
+      const Vec3f &is = solid.positions[solid.triangles[t][k]], &was = mesh.positions[solid.wedges[t][k]];
+      const bool corner = std::fabs(was.y) == 0.5f && std::fabs(was.z) == 0.5f && was.x > 0;
+      EXPECT_LE(length(to_double(is) - to_double(was)), corner ? 1.1e-6 : 0.0);
+    }
+}
+
+// The moved corners stay in the plane of the face, so the face is a sheet.
+TEST(Seams, EndsBeyondTheWeldToleranceStayApart) {
+  const Mesh cube = cube_of_faces({1, 4, 1, 1, 1, 1});
+  const Mesh mesh = with_moved_corners(cube, {0, -1e-5f, 0});
+  const Solid solid = solid_of(mesh);
+  EXPECT_EQ(solid.report.welded_tolerant, 0u);
+  EXPECT_EQ(solid.report.sheets, 1u);
+  EXPECT_NEAR(solid.report.filled_area, 1, 1e-4);
+  const Solid wider = solid_of(mesh, {.weld_tolerance = 1e-4});
+  EXPECT_EQ(wider.report.welded_tolerant, 4u);
+  EXPECT_EQ(wider.report.sheets, 0u);
+  EXPECT_EQ(solid_of(with_moved_corners(cube, {0, -1e-7f, 0}), {.weld_tolerance = 0}).report.sheets, 1u);
+}
+
+// At 1 km, neighbouring floats are 0.00006 m apart: more than the weld tolerance, but not more than what rounding explains.
+TEST(Seams, TheirEndsMayDifferByTheRoundingOfFloats) {
+  const Mesh far = translated(cube_of_faces({1, 4, 1, 1, 1, 1}), {1000, -2000, 500});
+  const float step = std::nextafter(1000.5f, 2000.0f) - 1000.5f;
+  expect_whole(with_moved_corners(far, {step, 0, 0}, {1000, -2000, 500}), 1e-3);
+}
+
 TEST(Seams, StrictRepairRefusesThem) {
   const Expected<Solid> solid = try_solid(cube_of_faces({1, 8, 1, 1, 1, 1}), {.repair = Repair::kStrict});
   ASSERT_FALSE(solid);

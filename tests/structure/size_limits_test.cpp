@@ -13,6 +13,7 @@
 #include "tests/support/figures.hpp"
 #include "tests/support/fractured.hpp"
 #include "tests/support/full_tests.hpp"
+#include "tests/support/growth_families.hpp"
 #include "tests/support/mesh_files.hpp"
 #include "tests/support/shapes.hpp"
 #include "tests/support/site_families.hpp"
@@ -46,6 +47,33 @@ TEST(SizeLimits, WithoutAnyNothingIsUnited) {
   const Fractured made = fracture_mesh(mesh, at_random(mesh, 40));
   EXPECT_EQ(made.set.size.united, 0u);
   EXPECT_FALSE(made.report.size.limits.any()) << "none is in the file";
+}
+
+// The loop of x < 0 winds around its inside once, and the smaller loop of x > 0 minus once. The last two of
+// seven slices are in the smaller loop, beyond x = 0.143. The slice before contains more of the smaller loop than of the larger.
+TEST(SizeLimits, ManyPiecesThatAreInsideOutAreReported) {
+  const Mesh mesh = prism_over({{-1, -1}, {0.6, 0.6}, {0.6, -0.6}, {-1, 1}});
+  FractureParameters p;
+  p.pattern = PointsPattern{row_of_sites(box_of(mesh), 7)};
+  const Fractured made = fracture_mesh(mesh, p);
+  EXPECT_GE(made.set.size.inside_out, 2u);
+  EXPECT_LE(made.set.size.inside_out, 3u);
+  EXPECT_GE(made.set.certificate.united, made.set.size.inside_out);
+  EXPECT_TRUE(
+      warns(made.report, "a negative volume, because the surface crosses itself with opposite winding"));
+
+  p.size.min_of_mean = 0.01;  // the same pieces are merged, but as the smallest ones
+  const Fractured limited = fracture_mesh(mesh, p);
+  EXPECT_EQ(limited.set.size.inside_out, made.set.size.inside_out);
+  EXPECT_TRUE(warns(limited.report, "a negative volume"));
+
+  p.size = {.fragments = 7};
+  EXPECT_TRUE(warns(fracture_mesh(mesh, p).report, "because the surface crosses itself. Ask for more"));
+
+  const Mesh clean = ico_sphere(2);
+  const Fractured sphere = fracture_mesh(clean, at_random(clean, 40));
+  EXPECT_EQ(sphere.set.size.inside_out, 0u);
+  EXPECT_FALSE(warns(sphere.report, "negative volume"));
 }
 
 TEST(SizeLimits, CrumbsThatTouchNothingAreReported) {
