@@ -25,7 +25,7 @@ bool in_range(const Vec3f& p, const Vec3d& offset) {
   return in_range(to_double(p)) && in_range(offset + to_double(p));
 }
 
-/// Where a vertex out of range is. Only the offset may be too large; then its place below the offset would say nothing.
+/// The place of a vertex that is out of range. If only the offset is too large, the place below the offset would say nothing.
 std::string far_place(const Vec3f& p, const Vec3d& offset) {
   if (!in_range(to_double(p))) return "at " + place(p) + ", in metres";
   const Vec3d at = offset + to_double(p);
