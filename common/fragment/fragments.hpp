@@ -155,7 +155,8 @@ struct FragmentSet {
   std::vector<Fragment> fragments;
   std::vector<Bond> bonds;
   Certificate certificate;
-  /// m³: Certificate::volume_once, with each part's volume times its density as a share of the request's.
+  /// m³: Certificate::volume_once, with each part's volume times its density as a share of the request's. Hulls of
+  /// barycentres: their volumes before hits, with the same weights (pipeline/part_sets.hpp).
   double weighed_volume = 0;
   SizeFigures size;  ///< effect of the size limits
   /// Sheets that stay whole, if there are any: triangles of the source (solid/solid.hpp).

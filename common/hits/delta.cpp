@@ -155,7 +155,7 @@ std::vector<WholeBond> changed_whole_bonds(const Solid& solid, const BrokenSolid
                                            const std::vector<std::uint32_t>& index,
                                            const FractureParameters& parameters, const Execution& execution) {
   const bool any = std::find(wanted.begin(), wanted.end(), 1) != wanted.end();
-  if (!any || !solid.scenery || parameters.dual == Dual::kBarycenter) return {};
+  if (!any || !solid.scenery || is_barycentric(parameters)) return {};
   std::vector<WholeBond> bonds =
       find_whole_bonds(solid, {*broken.points, broken.map}, broken.cut.set.lattice_step,
                        parameters.contact_strength, fragments_of(broken), wanted, execution);

@@ -73,18 +73,30 @@ Why instances(const Asked& a) {
   return "instances are nodes with the same mesh, and each mesh of the file is in only one node.";
 }
 
-Why grain(const Asked& a) {
+Why needs_stretch(const Asked& a) {
   if (a.fracture.anisotropy.stretch != 1) return {};
   return "pieces are as long as they are wide. Give a 'stretch' other than 1.";
 }
 
+Why grain(const Asked& a) {
+  if (!a.fracture.anisotropy.grain) return {};  // another parameter has replaced that of the material
+  return needs_stretch(a);
+}
+
 Why grain_of(const Asked& a) {
+  if (a.fracture.anisotropy.matrix) return {};  // it has replaced that of the material
   if (!is_scattered(a.pattern))
     return pattern_in(a) + " has one grain for the whole mesh. Use pattern=uniform, impact or clustered.";
-  return grain(a);
+  return needs_stretch(a);
+}
+
+Why cells_per_fragment_of(const Asked& a) {
+  if (!a.request.idle_aggregation) return {};
+  return "with dual=barycenter, each fragment is one cell. Leave out either this or 'dual'.";
 }
 
 Why size_spread(const Asked& a) {
+  if (const Why why = cells_per_fragment_of(a)) return why;
   if (cells_per_fragment(a.fracture) > 1) return {};
   return "each fragment is one cell. Give 'cells_per_fragment'.";
 }
@@ -127,14 +139,30 @@ Why impacts(const Asked& a) {
   return "except for the first point, because pattern=radial has one centre. Use pattern=impact.";
 }
 
+Why dual(const Asked& a) {
+  if (a.fracture.dual == Dual::kCircumcenter || is_barycentric(a.fracture)) return {};
+  return "with local_rest=whole, hits cut the whole parts, by Voronoi cells. Use local_rest=fractured, or leave "
+         "out 'dual'.";
+}
+
+Why min_of_mean(const Asked& a) {
+  // It merges the pieces of hits.
+  if (!is_barycentric(a.fracture) || !a.fracture.hits.empty() || !(a.fracture.size.min_of_mean > 0))
+    return {};
+  return "fragments of dual=barycenter are not merged by size, because they share no cuts. Leave out either "
+         "this or 'dual'.";
+}
+
 Why drop_above(const Asked& a) {
+  if (const Why why = dual(a)) return why;
   const auto& barycenter = a.answer.report.barycenter;
   if (!barycenter || !barycenter->dropped || barycenter->dropped->fragments > 0) return {};
   return "no fragment is larger. Give a smaller volume.";
 }
 
 Why shell_ball(const Asked& a) {
-  if (a.request.hollow.any()) return {};
+  // 'shell' and 'shell_fraction' set it to 0.
+  if (a.request.hollow.any() || !(a.request.hollow.least_ball > 0)) return {};
   return "nothing becomes hollow. Give 'shell' or 'shell_fraction'.";
 }
 
@@ -164,6 +192,7 @@ constexpr Check kChecks[] = {
     {"seed", seed},
     {"grain", grain},
     {"grain_of", grain_of},
+    {"cells_per_fragment", cells_per_fragment_of},
     {"size_spread", size_spread},
     {"impacts", impacts},
     {"radius", near_sites},
@@ -184,7 +213,9 @@ constexpr Check kChecks[] = {
     {"rough_frequency", needs_roughness},
     {"rough_octaves", needs_roughness},
     {"shell_ball", shell_ball},
+    {"dual", dual},
     {"drop_above", drop_above},
+    {"min_of_mean", min_of_mean},
     {"max_hulls", needs_hulls},
     {"hull_excess", needs_hulls},
 };

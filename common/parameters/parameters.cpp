@@ -304,8 +304,7 @@ class ParameterTable::Parsing {
       for (const auto& [name, value] : request)
         if (name != "assign" && is_inherited(name)) values.emplace(name, value);
       auto own = std::make_shared<RequestParameters>(applied(values, seen, place));
-      if (own->fracture.dual == Dual::kBarycenter)
-        own->fracture.aggregation = {};  // as complete_structure() does
+      drop_aggregation(*own);
       result.fracture.assigned.push_back(
           {.selector = assignment.selector,
            .breaks = std::make_shared<const FractureParameters>(own->fracture),

@@ -78,6 +78,8 @@ struct RequestParameters {
   std::string mortar;          ///< as given, when interior.mortar is set
   /// In the order of the request; also in fracture.assigned and hollow.by_part
   std::vector<Assignment> assign{};
+  /// With barycentric cells: the aggregation that was asked for, which has no effect. That of `fracture` is then of single cells.
+  std::optional<Aggregation> idle_aggregation{};
   std::optional<double> mass;        ///< kg, of all fragments; if given, it determines the density
   std::optional<MeshFormat> format;  ///< as given by `format=`; empty if absent
 };

@@ -45,6 +45,8 @@ Error bad_parameter(std::string name, std::string detail);
 std::optional<Error> complete_structure(RequestParameters& parameters);
 /// Combines the parameters of hits in the same way.
 std::optional<Error> complete_hits(RequestParameters& parameters);
+/// With barycentric cells, sets RequestParameters::idle_aggregation: they do not fill space, and groups of them would not either.
+void drop_aggregation(RequestParameters& parameters);
 
 /// Returns the names of the patterns for which the trait is true.
 std::vector<std::string> patterns_that(bool PatternTraits::*may);

@@ -207,8 +207,11 @@ void add_aggregate_rows(std::vector<ParameterSpec>& rows) {
            .doc =
                "Mean number of cells per fragment. Values above 1 make ragged, non-convex chunks, which are longer in the "
                "direction away from an impact. `size_spread` varies their sizes."},
-          [](auto& r) -> auto& { return r.fracture.aggregation.cells; })));
+          [](auto& r) -> auto& {
+            return r.idle_aggregation ? r.idle_aggregation->cells : r.fracture.aggregation.cells;
+          })));
   rows.back().matters = [](const RequestParameters& r) {  // 1 matters if the material has more
+    if (r.idle_aggregation) return false;
     const MaterialPreset* preset = find_material_preset(r.material);
     return r.fracture.aggregation.cells > 1 || (preset && preset->aggregation.cells > 1);
   };
@@ -222,7 +225,9 @@ void add_aggregate_rows(std::vector<ParameterSpec>& rows) {
            .doc =
                "How uneven the volumes of ragged chunks are: the fraction larger than v is exp(-(v/s)^(1/size_spread)), with a "
                "constant s (Weibull 1951). 0: equal volumes. 1: Grady and Kipp (1985). 2: Mott and Linfoot (1943)."},
-          [](auto& r) -> auto& { return r.fracture.aggregation.spread; })));
+          [](auto& r) -> auto& {
+            return r.idle_aggregation ? r.idle_aggregation->spread : r.fracture.aggregation.spread;
+          })));
   rows.back().matters = [](const RequestParameters& r) { return r.fracture.aggregation.cells > 1; };
 }
 

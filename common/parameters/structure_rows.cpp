@@ -1,5 +1,6 @@
 // Rows for sizes, levels, kept regions, anchors, and fragments that break again.
 #include <algorithm>
+#include <utility>
 
 #include "common/parameters/fields.hpp"
 #include "common/parameters/rows.hpp"
@@ -312,6 +313,13 @@ std::vector<ParameterSpec> structure_parameter_rows(std::uint32_t max_sites) {
   return rows;
 }
 
+void drop_aggregation(RequestParameters& r) {
+  // As is_barycentric() says, but hits may be incomplete.
+  const bool whole = !r.local_point.empty() && r.fracture.rest == LocalRest::kWhole;
+  if (r.fracture.dual != Dual::kBarycenter || whole) return;
+  r.idle_aggregation = std::exchange(r.fracture.aggregation, {});
+}
+
 std::optional<Error> complete_structure(RequestParameters& r) {
   FractureParameters& f = r.fracture;
   if (std::optional<Error> wrong = complete_hits(r)) return wrong;
@@ -334,8 +342,7 @@ std::optional<Error> complete_structure(RequestParameters& r) {
         "broken",
         "'broken' requires anchors, because everything falls without them. Give 'anchor_plane', "
         "'anchor_box' or 'anchor_points'.");
-  if (f.dual == Dual::kBarycenter)
-    f.aggregation = {};  // barycentric cells do not fill space, and groups of them would not either
+  drop_aggregation(r);
   if (f.drop_above > 0 && f.dual != Dual::kBarycenter)
     return bad_parameter(
         "drop_above",

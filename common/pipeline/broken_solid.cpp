@@ -6,6 +6,7 @@
 #include "common/physics/hull_trim.hpp"
 #include "common/pipeline/instanced_bodies.hpp"
 #include "common/pipeline/kept_instances.hpp"
+#include "common/pipeline/part_sets.hpp"
 
 namespace fracture {
 
@@ -41,6 +42,7 @@ Expected<BrokenSolid> break_solid(const Solid& solid, const Diagram& diagram,
   std::vector<KeptFragment> kept;
   Expected<CutCells> cut = cut_cells(solid, diagram, before, execution, &kept);
   if (!cut) return tl::unexpected(std::move(cut.error()));
+  weigh_before_hits(solid, parameters, cut->set, execution);
   Expected<InstancedBodies> instances =
       find_instanced_bodies(cut->set.fragments, solid, parameters, execution);
   if (!instances) return tl::unexpected(std::move(instances.error()));

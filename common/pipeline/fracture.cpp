@@ -169,6 +169,7 @@ Expected<CutCells> cut_cells(const Solid& solid, const Diagram& diagram, const F
     cut.barycentric =
         fracture_barycentric(solid, voronoi, parameters.pivot, parameters.drop_above, execution);
     cut.set = std::move(cut.barycentric.set);
+    cut.grouped = !diagram.groups.empty();
     keep(cut.set);
   } else {
     RestrictedDiagram restricted = restrict_to_solid(seen, voronoi, execution);
@@ -232,13 +233,13 @@ Expected<FracturedSolid> complete(const Solid& solid, const SiteNotes& sites,
     set.whole_sheets = solid.sheets;
     set.certificate.sheet_area_in = set.certificate.sheet_area_out = solid.sheets->area;
   }
-  const Promise promise = parameters.dual == Dual::kBarycenter ? Promise::kClosed : Promise::kPartition;
+  const Promise promise = is_barycentric(parameters) ? Promise::kClosed : Promise::kPartition;
   if (const Verdict verdict = judge(set, solid, promise); !verdict.sound())
     return tl::unexpected(unsound(verdict, set.certificate));
   execution.poll();
   const bool together = parameters.parts == Parts::kTogether && promise == Promise::kPartition;
   count_overlaps_once(solid, together, set, execution);
-  set.weighed_volume = set.certificate.volume_once;
+  if (promise == Promise::kPartition) set.weighed_volume = set.certificate.volume_once;
   if (promise == Promise::kPartition && !cut.whole && cut.touch_across)
     add_contact_bonds(set, solid, cells, parameters.contact_strength, execution);
   if (promise == Promise::kPartition && !cut.whole && solid.scenery) {
@@ -310,6 +311,7 @@ Expected<FracturedSolid> fracture(const Solid& solid, const Diagram& diagram,
     }
     Expected<CutCells> cut = cut_cells(solid, diagram, parameters, execution);
     if (!cut) return tl::unexpected(cut.error());
+    weigh_before_hits(solid, parameters, cut->set, execution);
     return complete(solid, notes_of(diagram), parameters, std::move(*cut),
                     {diagram.tetrahedralization.points, diagram.map}, execution);
   });

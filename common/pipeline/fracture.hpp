@@ -78,6 +78,11 @@ struct FractureParameters : SiteParameters {
   std::vector<AssignedParts> assigned{};
 };
 
+/// Whether the fragments are hulls of barycentres. With LocalRest::kWhole they are not: hits cut whole parts, by Voronoi cells.
+inline bool is_barycentric(const FractureParameters& p) {
+  return p.dual == Dual::kBarycenter && (p.hits.empty() || p.rest == LocalRest::kFractured);
+}
+
 /// The reusable result for (mesh, site parameters): the pattern's sites and their tetrahedralization. Hits have diagrams of
 /// their own (local_impact.hpp).
 struct Diagram {

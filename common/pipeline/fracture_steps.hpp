@@ -89,7 +89,7 @@ Expected<CutCells> cut_cells(const Solid& solid, const Diagram& diagram, const F
 /// Which cells of an answer may overlap. `islands`: Certificate::islands, with none no cell has two pieces.
 inline CellsOfBodies cells_of_bodies(const FractureParameters& parameters, const CellMap& map,
                                      std::uint32_t islands) {
-  return {map, parameters.dual != Dual::kBarycenter, islands > 0};
+  return {map, !is_barycentric(parameters), islands > 0};
 }
 
 /// Checks the fragments, bonds them across parts (unless the set is only part of a result), and makes their

@@ -195,7 +195,7 @@ Expected<InstancedBodies> find_instanced_bodies(const std::vector<Fragment>& fra
                                                 const Execution& execution) {
   InstancedBodies out;
   if (!may_keep_instances(solid, parameters) || parameters.pivot != Pivot::kCenterOfMass ||
-      parameters.dual != Dual::kCircumcenter)
+      is_barycentric(parameters))
     return out;
   const Instances& instances = *solid.instances;
   Pacer pacer(execution);

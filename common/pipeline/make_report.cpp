@@ -105,6 +105,9 @@ std::string why_larger(const FractureParameters& p, const SplitFigures& split, b
     return "local_rest=whole keeps the rest of each part in one piece. Use local_rest=fractured.";
   if (split.too_large > 0)
     return "dividing it further would take too many passes or sites. Use a larger 'max_volume'.";
+  if (is_barycentric(p))
+    return "this limit divides Voronoi cells, and the hulls of dual=barycenter can be larger. Use a smaller "
+           "'max_volume', or leave out large fragments with 'drop_above'.";
   if (p.size.any())
     return "pieces were merged to meet " + names_of(p.size) + ". Change this, or use a larger 'max_volume'.";
   return "its pieces were joined. Use a larger 'max_volume'.";
@@ -121,14 +124,15 @@ void report_size(const FractureParameters& p, bool instances, const SplitFigures
     remarks.note(counted(alone, "piece is", "pieces are") + " smaller than " +
                  short_number(set.size.min_volume) + " m³ and " + (alone == 1 ? "touches" : "touch") +
                  " no other piece, so " + (alone == 1 ? "it stays as it is." : "they stay as they are."));
-  report_fragments(p.hits.empty() ? p.size.fragments : 0, p, instances, kept_share, set, remarks);
-  if (p.hits.empty() && p.size.max_fragments > 0 && set.fragments.size() > p.size.max_fragments)
+  const bool united = p.hits.empty() && !is_barycentric(p);  // otherwise, report_barycenter() says so
+  report_fragments(united ? p.size.fragments : 0, p, instances, kept_share, set, remarks);
+  if (united && p.size.max_fragments > 0 && set.fragments.size() > p.size.max_fragments)
     remarks.warn(
         "The answer has " + counted(set.fragments.size(), "fragment", "fragments") +
         ", although 'max_fragments' is " + grouped(p.size.max_fragments) +
         ": the remaining ones touch nothing that they could be merged with. Allow more, or join the parts of "
         "the mesh in a modelling tool.");
-  if (p.hits.empty() && p.size.max_triangles > 0 && triangles > p.size.max_triangles)
+  if (united && p.size.max_triangles > 0 && triangles > p.size.max_triangles)
     remarks.warn("The fragments have " + counted(triangles, "triangle", "triangles") +
                  ", although 'max_triangles' is " + grouped(p.size.max_triangles) +
                  ". Nothing was merged to meet this limit, because " + grouped(set.size.fewest_triangles) +
@@ -155,7 +159,7 @@ void report_inside_out(const FragmentSet& set, Remarks& remarks) {
 void report_kept(const FractureParameters& p, const CutCells& cut, Report& report) {
   if (!p.keep) return;
   const std::string name = names_of(*p.keep);
-  if (p.dual == Dual::kBarycenter) {
+  if (is_barycentric(p)) {
     report.remarks.warn("dual=barycenter keeps no region whole, so " + name +
                         " had no effect. Leave out either this or 'dual'.");
     return;
@@ -179,10 +183,10 @@ void report_structure(std::optional<std::uint32_t> anchored, Report& report) {
 void report_roughness(const FractureParameters& p, const CutCells& cut, Report& report) {
   const RoughReport& rough = cut.rough;
   Remarks& remarks = report.remarks;
-  if (p.dual == Dual::kBarycenter) {
-    remarks.warn(
-        "The cuts are flat, because fragments of dual=barycenter share no cuts. Leave out 'dual' if you want "
-        "rough cuts.");
+  if (is_barycentric(p)) {
+    remarks.warn(std::string(p.hits.empty() ? "The cuts are flat" : "Only the cuts of hits are rough") +
+                 ", because fragments of dual=barycenter share no cuts. Leave out 'dual' if you want "
+                 "rough cuts.");
     return;
   }
   RoughCuts& cuts = report.rough_cuts.emplace();
@@ -230,10 +234,13 @@ void report_barycenter(const FractureParameters& p, const CutCells& cut, Report&
   report.remarks.note(
       "dual=barycenter: the fragments overlap and leave gaps, their volumes do not add up to the solid's, "
       "and there are no bonds.");
-  if (p.size.any())
+  SizeLimits idle = p.size;
+  idle.min_of_mean = 0;  // may be of the material (parameters/effects.cpp)
+  if (!p.hits.empty()) idle.min_volume = idle.min_fraction = 0;  // they merge the pieces of hits
+  if (idle.any())
     report.remarks.warn("dual=barycenter: fragments are not merged by size, because they share no cuts, so " +
-                        names_of(p.size) + " had no effect. Leave out either this or 'dual'.");
-  if (cut.grouped)
+                        names_of(idle) + " had no effect. Leave out either this or 'dual'.");
+  if (cut.grouped && p.hits.empty())  // hits always make groups
     report.remarks.note(
         "dual=barycenter: each cell is a separate fragment, even if the pattern keeps it together with other cells.");
 }
@@ -276,7 +283,7 @@ Report make_report(const Solid& solid, const SiteNotes& sites, const FracturePar
   if (parameters.roughness.amplitude > 0) report_roughness(parameters, cut, report);
   if (rest) report_rest(rest->figures, report.remarks);
   if (parameters.hulls == Hulls::kConvex) report.hulls = cut.whole ? cut.whole->hulls : hulls;
-  if (parameters.dual == Dual::kBarycenter) report_barycenter(parameters, cut, report);
+  if (is_barycentric(parameters)) report_barycenter(parameters, cut, report);
   return report;
 }
 

@@ -280,12 +280,14 @@ void weigh_assigned(const Solid& solid, const FractureParameters& parameters, co
     const AssignedParts* const entry = entry_of(set.fragments[fragment].part);
     return entry ? entry->strength : 1;
   };
-  // The weighed volume is a sum over parts, because hits do not change parts.
-  const std::vector<double> shares = together ? density_shares(solid, execution) : std::vector<double>();
-  set.weighed_volume = 0;
-  for (std::uint32_t p = 0; p < solid.parts.size(); ++p) {
-    pacer.step();
-    set.weighed_volume += density(p) * (shares.empty() ? 1 : shares[p]) * solid.parts[p].volume;
+  if (!is_barycentric(parameters)) {
+    // The weighed volume is a sum over parts, because hits do not change parts.
+    const std::vector<double> shares = together ? density_shares(solid, execution) : std::vector<double>();
+    set.weighed_volume = 0;
+    for (std::uint32_t p = 0; p < solid.parts.size(); ++p) {
+      pacer.step();
+      set.weighed_volume += density(p) * (shares.empty() ? 1 : shares[p]) * solid.parts[p].volume;
+    }
   }
   for (Bond& bond : set.bonds) {
     pacer.step();
@@ -298,6 +300,21 @@ void weigh_assigned(const Solid& solid, const FractureParameters& parameters, co
   for (Fragment& f : set.fragments) {
     pacer.step();
     f.density_share *= density(f.part);
+  }
+}
+
+void weigh_before_hits(const Solid& solid, const FractureParameters& parameters, FragmentSet& set,
+                       const Execution& execution) {
+  if (!is_barycentric(parameters)) return;
+  set.weighed_volume = set.certificate.volume_out;
+  if (parameters.assigned.empty()) return;
+  const PartChoice choice = choose_assigned(solid, parameters, execution);
+  set.weighed_volume = 0;
+  Pacer pacer(execution);
+  for (const Fragment& f : set.fragments) {
+    pacer.step();
+    const std::uint32_t k = choice.of_part[f.part];
+    set.weighed_volume += (k == kNoIndex ? 1 : parameters.assigned[k].density) * f.mass.volume;
   }
 }
 

@@ -59,10 +59,17 @@ Expected<CutCells> cut_sets(
 
 /// Multiplies the densities of fragments and the strengths of bonds by those that are assigned to their parts. The weaker part
 /// decides a bond; a node that stays whole is as strong as the request's material. To be called once all bonds are known and
-/// overlaps were counted. `together`: as in count_overlaps_once(). Sets FragmentSet::weighed_volume. Throws Interrupted.
+/// overlaps were counted. `together`: as in count_overlaps_once(). Sets FragmentSet::weighed_volume, except with dual=barycenter.
+/// Throws Interrupted.
 void weigh_assigned(const Solid& solid, const FractureParameters& parameters, const PartChoice& choice,
                     bool together, FragmentSet& set, std::vector<WholeBond>& whole_bonds,
                     const Execution& execution);
+
+/// With dual=barycenter, sets FragmentSet::weighed_volume from the set's fragments, because hulls of barycentres are not a partition
+/// of the solid. To be called before hits: later, the sum would have other terms, and its last bits would change the masses of
+/// fragments that no hit touches. Otherwise does nothing. Throws Interrupted.
+void weigh_before_hits(const Solid& solid, const FractureParameters& parameters, FragmentSet& set,
+                       const Execution& execution);
 
 /// Returns the parameters for the parts that an entry of `assigned` decides (kNoIndex: none), before sites and fragments are
 /// shared.

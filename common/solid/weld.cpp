@@ -15,19 +15,34 @@ namespace fracture::solid_detail {
 namespace {
 
 /// Also false for NaN.
-bool in_range(const Vec3f& p) {
-  constexpr auto kMost = static_cast<float>(kMaxCoordinate);
+bool in_range(const Vec3d& p) {
+  constexpr double kMost = static_cast<float>(kMaxCoordinate);
   return std::fabs(p.x) <= kMost && std::fabs(p.y) <= kMost && std::fabs(p.z) <= kMost;
 }
 
-tl::unexpected<Error> refuse_vertex(std::uint32_t vertex, const Vec3f& p) {
+/// `offset`: SourceFrame::offset of the mesh, m. The range also holds for the position in the file, which is `offset` + p.
+bool in_range(const Vec3f& p, const Vec3d& offset) {
+  return in_range(to_double(p)) && in_range(offset + to_double(p));
+}
+
+/// The place of a vertex that is out of range. If only the offset is too large, the place below the offset would say nothing.
+std::string far_place(const Vec3f& p, const Vec3d& offset) {
+  if (!in_range(to_double(p))) return "at " + place(p) + ", in metres";
+  const Vec3d at = offset + to_double(p);
+  int axis = 0;
+  for (int k = 1; k < 3; ++k)
+    if (std::fabs(at[k]) > std::fabs(at[axis])) axis = k;
+  return short_number(std::fabs(at[axis])) + " m from the file's origin along " + std::string(1, "xyz"[axis]);
+}
+
+tl::unexpected<Error> refuse_vertex(std::uint32_t vertex, const Vec3f& p, const Vec3d& offset) {
   const std::string name = "Vertex " + std::to_string(vertex);
   if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
     return fail(ErrorCode::kNotFinite, name + " has a coordinate that is NaN or infinite.", {},
                 {{"vertex", vertex}});
   return fail(ErrorCode::kNotFinite,
-              name + " is at " + place(p) +
-                  ", in metres; coordinates may be at most 1e11 m from 0. Set 'unit' to the unit of the "
+              name + " is " + far_place(p, offset) +
+                  "; coordinates may be at most 1e11 m from 0. Set 'unit' to the unit of the "
                   "file, or move the mesh to the origin.",
               {}, {{"vertex", vertex}});
 }
@@ -88,7 +103,8 @@ Expected<void> number_vertices(const Mesh& mesh, std::uint32_t* of_wedge, Surfac
                                                    std::to_string(wedge) + "; the mesh has only " +
                                                    std::to_string(mesh.positions.size()) + " vertices.");
       if ((of_wedge[wedge] & kUsed) == 0) {
-        if (!in_range(mesh.positions[wedge])) return refuse_vertex(wedge, mesh.positions[wedge]);
+        if (!in_range(mesh.positions[wedge], mesh.frame.offset))
+          return refuse_vertex(wedge, mesh.positions[wedge], mesh.frame.offset);
         use(wedge);
       }
       triangle[k] = VertexId{of_wedge[wedge] & kNumber};

@@ -114,7 +114,7 @@ double expected_rough_triangles(const FractureParameters& parameters, double sit
     return most;
   }
   const Roughness& rough = parameters.roughness;
-  if (!(rough.amplitude > 0) || parameters.dual == Dual::kBarycenter) return 0;
+  if (!(rough.amplitude > 0) || is_barycentric(parameters)) return 0;
   // The faces of a random Voronoi cell have the area 5.82 volume^(2/3) (Meijering 1953). Two cells share each face.
   double area = 0.5 * 5.82 * std::cbrt(sites);  // in units of the solid's size, squared
   // Cuts inside aggregates are not rough. Cuts between aggregates are larger by kRaggedness because they are ragged.

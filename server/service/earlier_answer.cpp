@@ -59,15 +59,19 @@ Expected<std::vector<RawParameter>> on_earlier_answer(const ParameterTable& tabl
                      "For hits on this answer, 'local_rest' is always '" + rest + "': leave it out.");
       continue;
     }
+    if (raw.name == "format") {  // says how to read the body, which is that of the earlier answer
+      result.push_back(raw);
+      continue;
+    }
+    const ParameterSpec* spec = table.find(raw.name);
+    if (spec && (spec->decides != Decides::kAnswer || raw.name == "material"))
+      return wrong(raw.name, "'" + raw.name +
+                                 "' is determined by the earlier answer that 'of' refers to: leave it out.");
     // Fragments that the hits do not touch must stay as they are in the caller's answer.
     if (hits && compared && raw.name != "delta" && raw.name != "gravity" && raw.name != "broken")
       return wrong(raw.name, "'" + raw.name +
                                  "' would change fragments that the hits do not touch: leave it out, or ask "
                                  "with delta=none.");
-    const ParameterSpec* spec = table.find(raw.name);
-    if (spec && (spec->decides != Decides::kAnswer || raw.name == "material"))
-      return wrong(raw.name, "'" + raw.name +
-                                 "' is determined by the earlier answer that 'of' refers to: leave it out.");
     taken.erase(raw.name);
     // The new parameter replaces others that set the same thing.
     if (raw.name == "mass") taken.erase("density");

@@ -108,7 +108,7 @@ Numbers numbers_of(const FractureParameters& p, const Solid& solid, const Select
   n.surface = shape.triangles + 2 * outside.crossings + 2 * kVerticesOnSection * outside.widths;
   const double kept = group > 1 ? std::fmin(1, kRaggedness / std::pow(group, between(1.0 / 3, 1.0 / 2))) : 1;
   n.cut_triangles = 2 * kept * n.flat_caps;
-  if (p.roughness.amplitude > 0 && p.dual != Dual::kBarycenter) {
+  if (p.roughness.amplitude > 0 && !is_barycentric(p)) {
     const double area =
         kept * (n.cells - 1) / n.cells * shape.volume / section.width * (kFaceArea * longer - flatness);
     const double edge = shape.size / (kEdgesPerWave * p.roughness.frequency *

@@ -46,18 +46,10 @@ GltfOptions output_options(const RequestParameters& parameters, const FragmentSe
   options.friction = parameters.physical.friction;
   options.restitution = parameters.physical.restitution;
   options.bond_strength = parameters.physical.bond_strength;
-  // A partition has the volume of the solid, which hits do not change. So fragments that a hit does not touch keep their
-  // mass bit for bit. The sum of the fragments' volumes would not do, because it depends on the order of its terms. Hulls of
-  // barycentres are not a partition, so only their sum gives the volume.
-  double volume = fragments.weighed_volume;
-  if (parameters.fracture.dual == Dual::kBarycenter) {
-    volume = fragments.certificate.volume_out;
-    if (!parameters.assign.empty()) {
-      volume = 0;
-      for (const Fragment& f : fragments.fragments) volume += f.density_share * f.mass.volume;
-    }
-  }
-  if (parameters.mass && volume > 0) options.density = *parameters.mass / volume;
+  // Hits do not change this volume. So fragments that a hit does not touch keep their mass bit for bit. The sum of the
+  // fragments' volumes would not do, because it depends on the order of its terms.
+  if (parameters.mass && fragments.weighed_volume > 0)
+    options.density = *parameters.mass / fragments.weighed_volume;
   return options;
 }
 

@@ -72,14 +72,57 @@ TEST(Barycentric, SaysByNameWhichLimitsOfSizeItDoesNotKnow) {
   const Report plain = fracture_mesh(cube(), p).report;
   EXPECT_TRUE(plain.remarks.warnings.empty()) << "that they overlap was asked for";
   EXPECT_TRUE(has_note(plain, "the fragments overlap and leave gaps"));
+  using Sentences = std::vector<std::string>;
+  const auto only = [](const std::string& names) -> Sentences {
+    return {"dual=barycenter: fragments are not merged by size, because they share no cuts, so " + names +
+            " had no effect. Leave out either this or 'dual'."};
+  };
   p.size.min_volume = 1e-3;
-  p.size.min_of_mean = 0.002;
-  EXPECT_TRUE(warns(fracture_mesh(cube(), p).report, "so 'min_volume', 'min_of_mean' had no effect"));
+  p.size.min_of_mean = 0.002;  // may be of a material, so another room names it
+  EXPECT_EQ(fracture_mesh(cube(), p).report.remarks.warnings, only("'min_volume'"));
   p.size = {.min_fraction = 0.01};
-  EXPECT_TRUE(warns(fracture_mesh(cube(), p).report, "so 'min_fraction' had no effect"));
-  p.size = {.fragments = 5, .max_fragments = 7, .max_triangles = 1000};
-  EXPECT_TRUE(warns(fracture_mesh(cube(), p).report,
-                    "so 'fragments', 'max_fragments', 'max_triangles' had no effect"));
+  EXPECT_EQ(fracture_mesh(cube(), p).report.remarks.warnings, only("'min_fraction'"));
+  p.size = {.fragments = 5, .max_fragments = 7, .max_triangles = 100};
+  EXPECT_EQ(fracture_mesh(cube(), p).report.remarks.warnings,
+            only("'fragments', 'max_fragments', 'max_triangles'"));
+  p.max_volume = 0.02;
+  const Sentences two = fracture_mesh(cube(), p).report.remarks.warnings;
+  ASSERT_EQ(two.size(), 2u);
+  EXPECT_NE(two[0].find("because this limit divides Voronoi cells, and the hulls of dual=barycenter can be "
+                        "larger. Use a smaller 'max_volume'"),
+            std::string::npos)
+      << two[0];
+  EXPECT_EQ(two[1], only("'fragments', 'max_fragments', 'max_triangles'")[0]);
+}
+
+TEST(Barycentric, HitsOnWholePartsMakeVoronoiCells) {
+  FractureParameters p;
+  p.sites = 20;
+  p.hits = {{{0.5, 0, 0}, 0.3, 8}};
+  const Fractured exact = fracture_mesh(cube(), p);
+  p.dual = Dual::kBarycenter;
+  const Fractured same = fracture_mesh(cube(), p);
+  EXPECT_EQ(same.report.remarks, exact.report.remarks);
+  EXPECT_FALSE(same.report.barycenter);
+  EXPECT_EQ(same.set.bonds.size(), exact.set.bonds.size());
+  expect_same(same.set.fragments, exact.set.fragments, "local_rest=whole");
+}
+
+TEST(Barycentric, HitsMergeTheirPiecesBySize) {
+  FractureParameters p;
+  p.sites = 20;
+  p.dual = Dual::kBarycenter;
+  p.hits = {{{0.5, 0, 0}, 0.3, 8}};
+  p.rest = LocalRest::kFractured;
+  p.size.min_volume = 1e-6;
+  const Fractured made = fracture_mesh(cube(), p);
+  EXPECT_FALSE(warns(made.report, "had no effect"));
+  EXPECT_TRUE(has_note(made.report, "the fragments overlap and leave gaps"));
+  EXPECT_FALSE(has_note(made.report, "each cell is a separate fragment")) << "the pattern has no groups";
+  double before = 0;
+  p.hits.clear();
+  for (const Fragment& f : fracture_mesh(cube(), p).set.fragments) before += f.mass.volume;
+  EXPECT_NEAR(made.set.weighed_volume, before, 1e-9);
 }
 
 TEST(Barycentric, APatchOfTheSolidGivesTheFragmentsOfTheWhole) {

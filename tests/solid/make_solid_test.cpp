@@ -142,6 +142,20 @@ TEST(MakeSolid, RefusesWhatIsTooFarNamingTheVertexAndTheLimit) {
   EXPECT_TRUE(try_solid(unused)) << "no triangle uses that vertex";
 }
 
+TEST(MakeSolid, RefusesWhatIsTooFarOnlyWithTheOffsetOfItsFrame) {
+  Mesh mesh = cube();
+  mesh.frame.offset = {0, -1e12, 5e10};
+  const Expected<Solid> solid = try_solid(mesh);
+  ASSERT_FALSE(solid);
+  EXPECT_EQ(solid.error().code, ErrorCode::kNotFinite);
+  EXPECT_TRUE(solid.error().extra->contains("vertex"));
+  EXPECT_NE(solid.error().detail.find("from the file's origin along y"), std::string::npos)
+      << solid.error().detail;
+  EXPECT_NE(solid.error().detail.find("1e11 m"), std::string::npos) << solid.error().detail;
+  mesh.frame.offset = {0, -9e10, 5e10};
+  EXPECT_TRUE(try_solid(mesh));
+}
+
 TEST(MakeSolid, RefusesWhatIsSmallerThanFloatsAreExactNamingTheAxis) {
   for (const double size : {1e-45, 1e-40, 1e-38}) {
     const Expected<Solid> solid = try_solid(scaled(cube(), {size, size, size}));

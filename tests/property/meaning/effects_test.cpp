@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "common/materials/materials.hpp"
 #include "common/parameters/effects.hpp"
 #include "server/service/service.hpp"
 #include "tests/server/support/engine_in_process.hpp"
@@ -208,6 +209,10 @@ const std::vector<Case> kIdle = {
     {"rough_octaves", "1"},
     {"shell", "0.6"},
     {"shell_ball", "0.5"},
+    {"cells_per_fragment", "4", R"({"dual": "barycenter"})"},
+    {"size_spread", "2", R"({"dual": "barycenter", "cells_per_fragment": 4})"},
+    {"min_of_mean", "0.5", R"({"dual": "barycenter"})"},
+    {"dual", "\"barycenter\"", R"({"local_point": [0, 0.5, 0.4], "local_radius": 0.3})"},
     {"drop_above", "100", R"({"dual": "barycenter"})"},
     {"max_hulls", "2", R"({"physics": "none"})"},
     {"keep_box", "[[5, 5, 5], [6, 6, 6]]"},
@@ -265,6 +270,29 @@ TEST(Effects, AValueWithoutEffectIsNamedInTheReport) {
     ASSERT_TRUE(same) << same.error().detail;
     EXPECT_EQ(same->result->key, made->result->key);
   }
+}
+
+TEST(Effects, NoValueOfAMaterialIsNamed) {
+  Answers answers;
+  const std::string mesh = block();
+  std::size_t made = 0;
+  for (const MaterialPreset& preset : material_presets())
+    for (const char* given :
+         {R"({"shell": 0})", R"({"shell_fraction": 0})", R"({"rough_amplitude": 0})",
+          R"({"stretch_matrix": [[1, 0, 0], [0, 2, 0], [0, 0, 1]]})", R"({"dual": "barycenter"})"}) {
+      json request = json::parse(given);
+      request["material"] = preset.name;
+      if (std::string_view(preset.name) != "brick") request["sites"] = 12;
+      SCOPED_TRACE(request.dump());
+      const auto answer = answers.ask(mesh, request);
+      // Barycentric cells are neither stretched nor turned.
+      if (!answer && request.contains("dual")) continue;
+      ASSERT_TRUE(answer) << answer.error().detail;
+      ++made;
+      for (const std::string& warning : contents_of(*answer->result).warnings)
+        EXPECT_EQ(warning.find("had no effect"), std::string::npos) << warning;
+    }
+  EXPECT_GT(made, 4 * material_presets().size());
 }
 
 TEST(Effects, EveryParameterHasACase) {

@@ -225,6 +225,19 @@ TEST_F(HitsTest, AnAnswerMayBeAskedOtherThingsOfItsFragments) {
   EXPECT_EQ(refused({{"of", address(parts)}, {"local_point", {0, 0, 0}}, {"local_radius", 1}}).pointer, "of");
 }
 
+TEST_F(HitsTest, TheFormatOfTheBodyMayBeGivenWithAnAddress) {
+  const FractureAnswer first = ask({{"sites", 8}});
+  json hit = {{"of", address(first)}, {"local_point", {2, 0, 0}}, {"local_radius", 0.5}};
+  const FractureAnswer plain = ask(hit);
+  hit["format"] = "obj";
+  EXPECT_EQ(ask(hit).result->key, plain.result->key);
+  EXPECT_EQ(ask({{"of", address(first)}, {"format", "obj"}}).result->key, first.result->key);
+  hit["unit"] = "cm";
+  const Error error = refused(hit);
+  EXPECT_EQ(error.pointer, "unit");
+  EXPECT_NE(error.detail.find("determined by the earlier answer"), std::string::npos) << error.detail;
+}
+
 TEST_F(HitsTest, WhatCannotBeMeantIsRefusedByName) {
   const FractureAnswer plain = ask({{"sites", 8}});
   const FractureAnswer whole =
