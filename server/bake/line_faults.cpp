@@ -45,7 +45,7 @@ Error LineFaults::error() const {
       text += (lines.size() > 1 ? "Lines " : "Line ") + ranges_of(lines) + " of '" + manifest_ + "': ";
     text += detail;
   }
-  if (left > 0) text += "\nAnd " + std::to_string(left) + " more errors.";
+  if (left > 0) text += "\nAnd " + std::to_string(left) + " more.";
   return {ErrorCode::kBadParameter, text, {}};
 }
 

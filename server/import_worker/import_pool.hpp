@@ -69,8 +69,8 @@ class ImportPool {
 
   /// Called on the thread of an import. Returns whether its computation should stand still.
   using StandsBack = std::function<bool()>;
-  /// Imports a mesh like import_mesh(), in a worker. Thread-safe. Waits for the turn of the client (`flow`). Urgency
-  /// (Turn::is_urgent, checked again during the wait) counts as for other work of a client (FairQueue).
+  /// Imports a mesh like import_mesh(), in a worker. Thread-safe. Waits for the turn of the client (`flow`). Urgent
+  /// imports (Turn::is_urgent, checked again during the wait) go before the client's others (FairQueue).
   ///
   /// The worker's memory is first set aside in the execution's allowance. The first try gets little memory, depending on the
   /// file's size. If that is not enough (an instanced or compressed file), further tries get more, up to the worker's limit.

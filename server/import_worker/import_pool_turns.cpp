@@ -25,7 +25,8 @@ constexpr auto kAny = [](const auto&, Priority) { return true; };
 struct ImportPool::Waiting {
   Waiting(ImportPool& its_pool, Place& its_place)
       : pool(its_pool), place(its_place), id(pool.next_in_line_++), priority(place.priority()) {
-    pool.line_.push(priority, {id, 0, place.input.flow, std::chrono::steady_clock::now(), &place});
+    // All arrivals are equal, so that imports do not age: is_others_turn() would stop an aged one at once.
+    pool.line_.push(priority, {id, 0, place.input.flow, {}, &place});
   }
   ~Waiting() {
     pool.line_.remove(id);

@@ -5,8 +5,8 @@
     golden_bytes.py PROGRAM --write    stores the hashes of today's answers, under today's algorithm version
     ... --write --unreleased           also if bytes changed under the stored version, which is not released yet
 
-A version is unreleased while the newest heading of CHANGELOG.md is "## Algorithm 28 - unreleased"; otherwise --unreleased is refused. Once a
-commit has replaced that word by a day, the test golden_bytes fails if a later commit changes a stored hash of the version.
+A version is unreleased while the newest heading of CHANGELOG.md is "## Algorithm 28 - unreleased"; otherwise --unreleased is refused. If the
+base of a branch has a day in place of that word, the test golden_bytes fails if a stored hash differs from the base's.
 
 Caches are keyed by the algorithm version. If bytes change and the version does not, every cache mixes old and new bytes.
 The hashes show that bytes changed, not that they are right: the invariants and the judges show that.

@@ -60,7 +60,7 @@ class GoldenBytes(unittest.TestCase):
                 self.skipTest(f"git has no {name} at the base {base}")
             return done.stdout
         if not shutil.which("git") or not (golden_bytes.ROOT / ".git").exists():
-            self.skipTest("this is no checkout of git")
+            self.skipTest("this is not a git checkout")
         sys.path.insert(0, str(golden_bytes.ROOT / "scripts/lib"))
         from checks.checkout import Checkout
         base = Checkout(golden_bytes.ROOT).base

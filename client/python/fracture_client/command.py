@@ -25,7 +25,7 @@ examples:
 
 exits with:
   0    done
-  1    a file cannot be read or written, the server does not answer, or the server is busy
+  1    a file or standard output fails, the server does not answer, or the server is busy
   2    the command line is wrong
   3    the server refused the mesh or a parameter
   4    the server failed
@@ -73,8 +73,21 @@ def main(arguments: List[str]) -> int:
         print("fracture_client: interrupted", file=sys.stderr)
         return INTERRUPTED
     _say_remarks(options.quiet, "answer", answer.report, mesh.report)
-    print(f"{options.out}: {_summary(answer)}, {options.out.stat().st_size:,} bytes")
-    return DONE
+    return DONE if _print(f"{options.out}: {_summary(answer)}, {options.out.stat().st_size:,} bytes") else UNREACHABLE
+
+
+def _print(line: str) -> bool:
+    """Prints to standard output. Returns whether that was possible; otherwise, prints the reason to standard error."""
+    reason = "it is closed"
+    try:
+        print(line, flush=True)
+        if sys.stdout is not None:
+            return True
+    except OSError as error:
+        reason = error.strerror
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # Python flushes the rest at the end, and would fail again
+    print(f"fracture_client: cannot write standard output: {reason}", file=sys.stderr)
+    return False
 
 
 def _say_remarks(quiet: bool, of: str, report: Mapping[str, Any], said: Mapping[str, Any]) -> None:

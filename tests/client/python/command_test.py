@@ -133,6 +133,15 @@ class Real(Programs, WithServer):
         self.assertEqual(json.loads((self.folder / "\u6728.json").read_text(encoding="utf-8")), whole.figures)
         self.assertEqual(json.loads((self.folder / "\u6728.gltf").read_text(encoding="utf-8"))["nodes"], whole._file.document["nodes"])
 
+    def test_lost_output_is_an_error(self):
+        for redirection, reason in (("> /dev/full", "No space left on device"), (">&-", "it is closed")):
+            with self.subTest(redirection):
+                done = self.run_program(["sh", "-c", f'"$@" {redirection}', "sh", sys.executable, "-m", "fracture_client", self.server.url,
+                                         str(self.mesh), str(self.out), "--quiet", "sites=7"])
+                self.assertEqual((done.returncode, done.stderr),
+                                 (command.UNREACHABLE, f"fracture_client: cannot write standard output: {reason}\n"))
+                self.assertEqual(len(Answer.load(self.out).fragments), 7)
+
     def test_values_are_those_of_a_query(self):
         done = self.run_command(self.server.url, self.mesh, self.out, "material=stone", "impacts=0,0.5,0;0.2,1,0", "nodes=0", "fragments=9")
         self.assertEqual(done.returncode, 0, done.stderr)
