@@ -154,7 +154,9 @@ Why min_of_mean(const Asked& a) {
 }
 
 Why drop_above(const Asked& a) {
-  if (const Why why = dual(a)) return why;
+  if (dual(a))
+    return "with local_rest=whole, hits cut the whole parts, by Voronoi cells. Use local_rest=fractured, or leave "
+           "out both this and 'dual'.";
   const auto& barycenter = a.answer.report.barycenter;
   if (!barycenter || !barycenter->dropped || barycenter->dropped->fragments > 0) return {};
   return "no fragment is larger. Give a smaller volume.";

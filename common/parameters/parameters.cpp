@@ -375,6 +375,7 @@ nlohmann::json canonical_base_parameters(const RequestParameters& parameters, bo
     base.local_point.resize(before);
     base.local_radius.resize(before);
     base.local_sites.resize(before);
+    drop_aggregation(base);  // as in the request without these hits
   }
   // Without the parameters of the support analysis, which change from hit to hit.
   return canonical(base, false,

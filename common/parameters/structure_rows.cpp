@@ -316,7 +316,7 @@ std::vector<ParameterSpec> structure_parameter_rows(std::uint32_t max_sites) {
 void drop_aggregation(RequestParameters& r) {
   // As is_barycentric() says, but hits may be incomplete.
   const bool whole = !r.local_point.empty() && r.fracture.rest == LocalRest::kWhole;
-  if (r.fracture.dual != Dual::kBarycenter || whole) return;
+  if (r.fracture.dual != Dual::kBarycenter || whole || r.idle_aggregation) return;
   r.idle_aggregation = std::exchange(r.fracture.aggregation, {});
 }
 

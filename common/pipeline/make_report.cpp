@@ -124,7 +124,7 @@ void report_size(const FractureParameters& p, bool instances, const SplitFigures
     remarks.note(counted(alone, "piece is", "pieces are") + " smaller than " +
                  short_number(set.size.min_volume) + " m³ and " + (alone == 1 ? "touches" : "touch") +
                  " no other piece, so " + (alone == 1 ? "it stays as it is." : "they stay as they are."));
-  const bool united = p.hits.empty() && !is_barycentric(p);  // otherwise, report_barycenter() says so
+  const bool united = p.hits.empty() && !is_barycentric(p);  // otherwise, nothing is merged
   report_fragments(united ? p.size.fragments : 0, p, instances, kept_share, set, remarks);
   if (united && p.size.max_fragments > 0 && set.fragments.size() > p.size.max_fragments)
     remarks.warn(

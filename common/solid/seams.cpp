@@ -181,9 +181,10 @@ class SeamFinder {
 };
 
 /// Unites the vertices at which consecutive half-edges of the loop do not meet. Does nothing if two of them are farther apart
-/// than the tolerance.
+/// than the tolerance, or if the loop is a crack between two edges.
 void close_gaps(const Surface& surface, const std::vector<HalfEdge>& loop, double tolerance,
                 DisjointSets& merged, Pacer& pacer) {
+  if (loop.size() == 2) return;  // weld_tolerant() and offer_welding() decide about cracks
   std::vector<std::array<VertexId, 2>> gaps;
   for (std::size_t i = 0; i < loop.size(); ++i) {
     pacer.step();

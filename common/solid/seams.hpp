@@ -25,8 +25,8 @@ namespace fracture::solid_detail {
 std::vector<std::vector<HalfEdge>> find_seams(const Surface& surface, double tolerance,
                                               const Execution& execution);
 
-/// Merges the ends of seams between different holes, if they are not the same vertex but at most `tolerance` (metres) apart, so
-/// that find_seams() finds these seams. The vertex with the lowest id stays where it is. weld_tolerant() cannot do this, because
+/// Merges the ends of seams between different holes, if they are not the same vertex but at most `tolerance` (metres) apart (chains
+/// of such pairs merge as one), so that find_seams() finds these seams. The vertex with the lowest id stays where it is. weld_tolerant() cannot do this, because
 /// no edges of the two sides coincide. Changes nothing else: not the seams that find_seams() finds without it, and not the
 /// vertices of a triangle that would collapse. `surface` must be glued; it stays so.
 void weld_ends_of_seams(Surface& surface, double tolerance, SolidReport& report, const Execution& execution);

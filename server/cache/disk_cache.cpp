@@ -233,7 +233,9 @@ bool DiskCache::write(const std::string& temporary, const std::string& path, std
 void DiskCache::quarantine(const std::string& key) {
   ++figures_.quarantined;
   const std::string name = folder_ + "/quarantine/" + std::to_string(figures_.quarantined % kMaxQuarantined);
-  if (::rename(path_of(key).c_str(), name.c_str()) != 0) ::unlink(path_of(key).c_str());
+  std::error_code ignored;
+  fs::remove_all(name, ignored);  // a file cannot replace a folder, nor a folder a file
+  if (::rename(path_of(key).c_str(), name.c_str()) != 0) fs::remove_all(path_of(key), ignored);
 }
 
 void DiskCache::forget(const std::string& key) {

@@ -128,7 +128,7 @@ void Api::write_metrics(ops::MetricWriter& writer) const {
                    static_cast<double>(tiers.redis->skipped), labels);
   }
   count("fracture_results_unwritten_total",
-        "Results that were not written to the folder or to Redis because too many were waiting.",
+        "Results that were not written to the folder or to Redis because too many were waiting or memory was short.",
         tiers.dropped);
 }
 

@@ -44,6 +44,7 @@ Jobs::Jobs(Dispatcher& dispatcher, const JobsConfig& config) : dispatcher_(dispa
   if (const Expected<bool> taken = take_folder(); !taken) {
     folder_unusable_ = taken.error();
     folder_.reset();
+    dispatcher_.service().tiers().keep_all_on_disk(false);
   }
 }
 

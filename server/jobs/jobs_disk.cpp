@@ -83,6 +83,7 @@ bool Jobs::keep_result(const Shared& job, const std::shared_ptr<const FractureRe
   if (!tiers.keep_on_disk(result)) return false;
   const std::uint64_t bytes = tiers.bytes_on_disk(result->key);
   const std::lock_guard lock(mutex_);
+  pin.charged = true;  // also if charge_pin() throws: it charges first
   pin.charged = charge_pin(*job, bytes);
   return true;
 }

@@ -92,8 +92,9 @@ bool Jobs::charge_pin(Job& job, std::uint64_t bytes) {
 
 void Jobs::unpin(Job& job) {
   if (job.pinned_bytes == 0) return;
-  // As disk work: it comes after the pin, and this thread does not wait for the disk tier.
-  disk_.run(job.client, [this, key = job.view.result_key] { dispatcher_.service().tiers().unpin(key); });
+  // As disk work, so that this thread does not wait for the disk tier. Not as work of the job's client: behind that
+  // client's waiting writes, the pin would take room from others for too long.
+  disk_.run("(unpin)", [this, key = job.view.result_key] { dispatcher_.service().tiers().unpin(key); });
   const Counted recount(*this, job);
   job.pinned_bytes = 0;
 }

@@ -49,10 +49,9 @@ Expected<bool> Jobs::take_folder() {
   // A finished job can only be shown with its result, which is in the disk tier.
   if (tiers.waits_for_folder()) return false;
   const Expected<bool> taken = folder_->take();
-  if (taken && !*taken) return false;
-  if (taken) restore();
+  if (!taken || !*taken) return taken;
+  restore();
   tiers.keep_all_on_disk(false);
-  if (!taken) return taken;
   folder_ready_ = true;
   go_on();
   return true;
@@ -92,10 +91,6 @@ void Jobs::restore() {
     // jobs.
     if (record.created <= now) last_created_ = std::max(last_created_, record.created);
     insert(job);
-    if (record.state == JobState::kDone) {
-      tiers.pin(record.result_key);
-      if (!charge_pin(*job, tiers.bytes_on_disk(record.result_key))) tiers.unpin(record.result_key);
-    }
     if (view.finished()) {
       const auto ago = record.finished_at ? now - *record.finished_at : std::chrono::microseconds(0);
       job->finished = Clock::now() -
@@ -106,6 +101,10 @@ void Jobs::restore() {
                             " times while it was computing this job, so the job is not tried again."});
     } else {
       job->waiting = true;
+    }
+    if (record.state == JobState::kDone) {
+      tiers.pin(record.result_key);
+      if (!charge_pin(*job, tiers.bytes_on_disk(record.result_key))) tiers.unpin(record.result_key);
     }
   }
 }

@@ -2,7 +2,7 @@
 // Reading blocks and happens on a pool thread. Writing happens after the answer, on a separate thread, and clients take turns
 // (fair_queue.hpp). If writing cannot keep up, results are dropped, because a cache may always miss. The client that
 // holds the most loses its newest result, as the longest queue does in McKenney 1990 ("Stochastic fairness queueing",
-// INFOCOM). So no client loses results because of others that hold more.
+// INFOCOM). Each client keeps its first result. A client that holds less loses results only for another client's first one.
 #pragma once
 
 #include <chrono>
@@ -38,7 +38,7 @@ struct TiersFigures {
   std::optional<DiskFigures> disk;  ///< empty: there is no such tier
   std::optional<RedisFigures> redis;
   bool disk_unusable = false;  ///< a folder is configured but cannot be used
-  std::uint64_t dropped = 0;   ///< results that were not written because too many waited
+  std::uint64_t dropped = 0;   ///< results that were not written because too many waited or memory was short
 };
 
 /// Thread-safe.
@@ -114,8 +114,8 @@ class ResultTiers {
 
   void enqueue(std::shared_ptr<const FractureResult> result, bool to_redis, const std::string& client);
   /// Drops waiting results of other clients until a result of this client with this many bytes fits. Returns false, and
-  /// drops nothing, if its client would then hold the most, or if the other clients' first results leave no room. Requires
-  /// the lock.
+  /// drops nothing, if that is impossible. Other clients keep their first results. They lose others only while they hold
+  /// more than this client would, unless this is its first. Requires the lock.
   bool make_room(const std::string& client, std::size_t bytes);
   void write_pending();
   void write(const Pending& pending);

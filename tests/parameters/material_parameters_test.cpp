@@ -3,6 +3,7 @@
 
 #include <set>
 
+#include "common/hits/delta.hpp"
 #include "tests/parameters/parse.hpp"
 
 namespace fracture {
@@ -19,6 +20,24 @@ TEST(MaterialParameters, AColorOfOnesOwnIsNotMixedUnlessOneSaysSo) {
   EXPECT_FALSE(mix({{"interior_color", "#ff0080"}}));
   EXPECT_FALSE(mix({{"interior_material", "Rock"}}));
   EXPECT_EQ(mix({{"interior_mix", "0.25"}, {"interior_color", "#ff0080"}}), 0.25);
+}
+
+// Hits on whole parts make Voronoi cells, which may be grouped; the answer before the first hit has barycentric cells.
+TEST(MaterialParameters, BarycentricCellsBeforeAHitAreNotGrouped) {
+  const std::vector<RawParameter> before{{"material", "stone"}, {"dual", "barycenter"}};
+  std::vector<RawParameter> given = before;
+  for (const RawParameter& more :
+       {RawParameter{"local_point", "0,0,0"}, {"local_radius", "0.2"}, {"delta", "stated"}})
+    given.push_back(more);
+  const auto hit = table().parse(given), whole = table().parse(before);
+  ASSERT_TRUE(hit);
+  ASSERT_TRUE(whole);
+  EXPECT_GT(hit->fracture.aggregation.cells, 1u);
+  EXPECT_EQ(before_hits(hit->fracture, 1).aggregation, Aggregation{});
+  const char* const name = "cells_per_fragment";
+  EXPECT_TRUE(canonical_base_parameters(*hit, true).contains(name));
+  EXPECT_EQ(canonical_base_parameters(*hit, false).contains(name),
+            canonical_base_parameters(*whole, false).contains(name));
 }
 
 TEST(MaterialParameters, MortarIsOfBricksAloneAndStaysWhateverTheCutsLookLike) {
