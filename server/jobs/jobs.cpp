@@ -196,6 +196,7 @@ void Jobs::progress(const Shared& job, Stage stage, double fraction) {
 }
 
 void Jobs::mark_begun(const Shared& job) {
+  if (config_.before_mark) config_.before_mark();
   folder_->begun(job->view.id);
   const std::lock_guard lock(mutex_);
   job->marked = job->view.state == JobState::kRunning;

@@ -1,8 +1,5 @@
 // The mark of a job that has begun is on the disk only while this process computes the job.
-#include <fcntl.h>
 #include <gtest/gtest.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include "tests/server/support/jobs_host.hpp"
 
@@ -35,30 +32,21 @@ TEST(Marks, AJobThatWasStoppedHasNoneThoughOthersStillWaitForItsComputation) {
   EXPECT_FALSE(fs::exists(mark_of(folder, job)));
 }
 
-/// The job is stopped just before its thread leaves the mark. The mark is a pipe: a thread that opens it for
-/// writing blocks until it is opened for reading.
+/// The job is stopped just before its thread leaves the mark.
 TEST(Marks, AreTakenBackAfterTheyWereLeft) {
-  struct Descriptor {
-    ~Descriptor() {
-      if (number >= 0) ::close(number);
-    }
-    int number = -1;
-  };
   const TemporaryFolder folder;
   const std::string job = leave_job(folder.path, 1);
-  Gate gate;
-  Descriptor reading;  // open until there are no writers
   JobsHost host(folder.path);
-  host.control->during_cut = gate.hook();
-  ASSERT_EQ(::mkfifo((folder / "pipe").c_str(), 0600), 0);
-  ASSERT_EQ(::link((folder / "pipe").c_str(), mark_of(folder, job).c_str()), 0);
+  Gate computes, marks;
+  host.control->during_cut = computes.hook();
+  host.before_mark = [hook = marks.hook()] { hook({}); };
   host.resume();
-  host.wait_for(job, JobState::kRunning);
+  require_eventually(kPatience, "the job's thread to come to its mark", [&] { return marks.arrived == 1; });
   host.jobs.stop();
   host.jobs.flush();
   EXPECT_EQ(host.find(job).state, JobState::kQueued);
-  EXPECT_TRUE(fs::exists(mark_of(folder, job))) << "it is not there yet, and nobody has taken it back";
-  reading.number = ::open((folder / "pipe").c_str(), O_RDONLY | O_NONBLOCK);
+  EXPECT_FALSE(fs::exists(mark_of(folder, job))) << "it is not left yet";
+  marks.open = computes.open = true;
   host.idle();
   EXPECT_FALSE(fs::exists(mark_of(folder, job)));
 }

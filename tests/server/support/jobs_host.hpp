@@ -28,7 +28,7 @@ struct JobsHost {
   explicit JobsHost(const std::string& folder = "", std::shared_ptr<FakeControl> its_control = nullptr)
       : control(its_control ? std::move(its_control) : std::make_shared<FakeControl>()),
         service(service_config(folder), std::make_unique<FakeEngine>(control)),
-        jobs(dispatcher, jobs_config(folder)) {}
+        jobs(dispatcher, jobs_config(folder, [this] { if (before_mark) before_mark(); })) {}
   ~JobsHost() {
     jobs.stop();
     idle();
@@ -77,12 +77,14 @@ struct JobsHost {
     config.tiers.folder = folder;
     return config;
   }
-  static JobsConfig jobs_config(const std::string& folder) {
+  static JobsConfig jobs_config(const std::string& folder, std::function<void()> before_mark) {
     JobsConfig config;
     if (!folder.empty()) config.folder = folder + "/jobs";
+    config.before_mark = std::move(before_mark);
     return config;
   }
 
+  std::function<void()> before_mark;  ///< called on the thread of a job, before its mark is written
   std::shared_ptr<FakeControl> control;
   FractureService service;
   WorkerPool pool{4, 64};
