@@ -252,7 +252,8 @@ Expected<KeptAnswer> fracture_and_keep(const Solid& solid, const Diagram& diagra
 
 FractureParameters before_hits(FractureParameters parameters, std::uint32_t new_hits) {
   parameters.hits.resize(parameters.hits.size() - new_hits);
-  if (is_barycentric(parameters)) {  // hits of whole parts may have groups of cells, but barycentric cells have none
+  if (is_barycentric(
+          parameters)) {  // hits of whole parts may have groups of cells, but barycentric cells have none
     parameters.aggregation = {};
     for (AssignedParts& entry : parameters.assigned) {
       FractureParameters breaks = *entry.breaks;

@@ -32,7 +32,8 @@ std::string far_place(const Vec3f& p, const Vec3d& offset) {
   int axis = 0;
   for (int k = 1; k < 3; ++k)
     if (std::fabs(at[k]) > std::fabs(at[axis])) axis = k;
-  return short_number(std::fabs(at[axis])) + " m from the file's origin along " + std::string(1, "xyz"[axis]) + " (with y up)";
+  return short_number(std::fabs(at[axis])) + " m from the file's origin along " +
+         std::string(1, "xyz"[axis]) + " (with y up)";
 }
 
 tl::unexpected<Error> refuse_vertex(std::uint32_t vertex, const Vec3f& p, const Vec3d& offset) {

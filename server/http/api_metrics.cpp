@@ -127,9 +127,10 @@ void Api::write_metrics(ops::MetricWriter& writer) const {
                    "Requests that did not use Redis because it had not answered earlier requests.",
                    static_cast<double>(tiers.redis->skipped), labels);
   }
-  count("fracture_results_unwritten_total",
-        "Results that were not written to the folder or to Redis because too many were waiting or memory was short.",
-        tiers.dropped);
+  count(
+      "fracture_results_unwritten_total",
+      "Results that were not written to the folder or to Redis because too many were waiting or memory was short.",
+      tiers.dropped);
 }
 
 }  // namespace fracture::http

@@ -46,7 +46,7 @@ struct JobsConfig {
   std::string folder;                         ///< where jobs survive the process; empty: nowhere
   std::uint64_t max_disk_bytes = 1ull << 30;  ///< of that folder
   FarmKeys keys{};                            ///< to sign the records in that folder
-  std::function<void()> before_mark{};        ///< called before a job's mark is written; tests stop the job there
+  std::function<void()> before_mark{};  ///< called before a job's mark is written; tests stop the job there
 };
 
 struct JobFigures {

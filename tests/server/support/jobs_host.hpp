@@ -28,7 +28,9 @@ struct JobsHost {
   explicit JobsHost(const std::string& folder = "", std::shared_ptr<FakeControl> its_control = nullptr)
       : control(its_control ? std::move(its_control) : std::make_shared<FakeControl>()),
         service(service_config(folder), std::make_unique<FakeEngine>(control)),
-        jobs(dispatcher, jobs_config(folder, [this] { if (before_mark) before_mark(); })) {}
+        jobs(dispatcher, jobs_config(folder, [this] {
+               if (before_mark) before_mark();
+             })) {}
   ~JobsHost() {
     jobs.stop();
     idle();
