@@ -1,6 +1,5 @@
 // fracture-server: exact mesh fracture over HTTP (serve) or from the command line (bake).
 #include <cstdio>
-#include <cstring>
 #include <exception>
 
 #include "common/base/exit_codes.hpp"
@@ -15,9 +14,5 @@ int main(int argc, char** argv) {
   } catch (const std::exception& e) {
     std::fprintf(stderr, "fracture-server: %s\n", e.what());
   }
-  if (const int reason = fracture::finish_printed(); reason != 0) {
-    std::fprintf(stderr, "fracture-server: cannot write standard output: %s\n", std::strerror(reason));
-    return fracture::kExitSystem;
-  }
-  return code;
+  return fracture::finish_printed("fracture-server", code);
 }

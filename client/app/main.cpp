@@ -1,6 +1,5 @@
 // fracture-client: the game, in a window or without one.
 #include <cstdio>
-#include <cstring>
 #include <exception>
 
 #include "client/app/headless.hpp"
@@ -46,10 +45,5 @@ int run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   fracture::occupy_standard_streams();
-  const int code = run(argc, argv);
-  if (const int reason = fracture::finish_printed(); reason != 0) {
-    std::fprintf(stderr, "fracture-client: cannot write standard output: %s\n", std::strerror(reason));
-    return fracture::kExitSystem;
-  }
-  return code;
+  return fracture::finish_printed("fracture-client", run(argc, argv));
 }

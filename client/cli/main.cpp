@@ -1,7 +1,6 @@
 // fracture-render: pictures of GLB files, without a window.
 #include <CLI/CLI.hpp>
 #include <cstdio>
-#include <cstring>
 #include <exception>
 #include <iostream>
 #include <nlohmann/json.hpp>
@@ -146,10 +145,5 @@ int run_program(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   fracture::occupy_standard_streams();
-  const int code = run_program(argc, argv);
-  if (const int reason = fracture::finish_printed(); reason != 0) {
-    std::fprintf(stderr, "fracture-render: cannot write standard output: %s\n", std::strerror(reason));
-    return kExitSystem;
-  }
-  return code;
+  return fracture::finish_printed("fracture-render", run_program(argc, argv));
 }

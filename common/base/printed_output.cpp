@@ -6,7 +6,10 @@
 #include <atomic>
 #include <cerrno>
 #include <cstdio>
+#include <cstring>
 #include <iostream>
+
+#include "common/base/exit_codes.hpp"
 
 namespace fracture {
 namespace {
@@ -23,7 +26,8 @@ void remember_loss(int reason) {
 void occupy_standard_streams() {
   for (int stream = STDIN_FILENO; stream <= STDERR_FILENO; ++stream) {
     if (::fcntl(stream, F_GETFD) >= 0 || errno != EBADF) continue;
-    // open() returns the lowest free number, which is this one. The direction is the one that nobody uses.
+    // open() returns the lowest free number, so it returns `stream`. Its text must not vanish without an error, so the file is
+    // opened for the wrong direction.
     if (::open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY) < 0) return;
   }
 }
@@ -38,11 +42,13 @@ int flush_printed() {
   return first_loss;
 }
 
-int finish_printed() {
+int finish_printed(const char* program, int exit_code) {
   flush_printed();
   const int copy = ::fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, 0);
   if (copy >= 0 && ::close(copy) != 0) remember_loss(errno);
-  return first_loss;
+  if (first_loss == 0) return exit_code;
+  std::fprintf(stderr, "%s: cannot write standard output: %s\n", program, std::strerror(first_loss));
+  return kExitSystem;
 }
 
 }  // namespace fracture

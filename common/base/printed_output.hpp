@@ -11,7 +11,8 @@ void occupy_standard_streams();
 /// process. Call it right after long texts: if printing failed, errno still has the reason.
 int flush_printed();
 
-/// The same, and asks the file system for errors that it reports only when a file is closed. Call it last in main().
-int finish_printed();
+/// Ends a program: flushes, and asks the file system for errors that it reports only when a file is closed. Returns
+/// `exit_code`. If output was lost, prints the reason and the program's name to standard error, and returns kExitSystem.
+int finish_printed(const char* program, int exit_code);
 
 }  // namespace fracture

@@ -25,10 +25,11 @@ namespace fracture::solid_detail {
 std::vector<std::vector<HalfEdge>> find_seams(const Surface& surface, double tolerance,
                                               const Execution& execution);
 
-/// Merges the ends of seams between different holes, if they are not the same vertex but at most `tolerance` (metres) apart (chains
-/// of such pairs merge as one), so that find_seams() finds these seams. The vertex with the lowest id stays where it is. weld_tolerant() cannot do this, because
-/// no edges of the two sides coincide. Changes nothing else: not the seams that find_seams() finds without it, and not the
-/// vertices of a triangle that would collapse. `surface` must be glued; it stays so.
+/// Merges the ends of seams between different holes, so that find_seams() finds these seams. Two ends merge if they are different
+/// vertices at most `tolerance` (metres) apart; a chain of such ends becomes one vertex. The vertex with the lowest id keeps its
+/// position. weld_tolerant() cannot merge them, because it compares whole edges, and the two sides have different edges. Seams
+/// that find_seams() already finds do not change. Vertices of a triangle that would collapse do not merge. `surface` must be
+/// glued; it stays glued.
 void weld_ends_of_seams(Surface& surface, double tolerance, SolidReport& report, const Execution& execution);
 
 }  // namespace fracture::solid_detail

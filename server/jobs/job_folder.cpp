@@ -39,7 +39,7 @@ bool is_file(const std::string& path) {
   return fs::is_regular_file(fs::symlink_status(path, gone));
 }
 
-/// Returns 0 if there is no regular file.
+/// Returns the size of a regular file in bytes, and 0 for anything else.
 std::uint64_t size_of(const std::string& path) {
   if (!is_file(path)) return 0;
   std::error_code gone;

@@ -71,8 +71,8 @@ void Jobs::restore() {
       job->record.state = JobState::kFailed;
       job->record.error = Error{
           ErrorCode::kJobLost,
-          "The job was done, but its result is no longer in the disk cache: it was evicted (--disk-cache) "
-          "or damaged. Send the mesh and the request again."};
+          "The job's result was removed from the disk cache, because the cache was full (--disk-cache) or "
+          "the file was damaged. Send the mesh and the request again."};
     }
     JobView& view = job->view;
     view.id = record.id;

@@ -80,9 +80,9 @@ class ResultTiers {
   /// Returns whether the disk has an entry for this key.
   bool on_disk(const std::string& key) const { return disk_ && disk_->size_of(key).has_value(); }
   /// Makes sure that the result is on the disk, whichever thread writes it. Blocks, but not for results that wait to be
-  /// written. Returns false if that is impossible: there is no disk tier, no room, or the system reports an error.
+  /// written. Returns false without a disk tier, if the tier is full, or if the system reports an error.
   bool keep_on_disk(const std::shared_ptr<const FractureResult>& result);
-  /// Returns the size of this key's entry on the disk; 0 if there is none.
+  /// Returns the size of this key's entry on the disk, or 0 if the disk lacks it.
   std::uint64_t bytes_on_disk(const std::string& key) const {
     return disk_ ? disk_->size_of(key).value_or(0) : 0;
   }

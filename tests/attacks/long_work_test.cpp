@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <atomic>
 #include <cstdio>
+#include <string>
 #include <thread>
+#include <vector>
 
 #include "tests/attacks/attack.hpp"
 #include "tests/attacks/bodies.hpp"
@@ -22,6 +24,17 @@ constexpr int kQuestions = 10;
 
 Exposition figures(const ServeProcess& server) {
   return parse_exposition(ask(server.admin_port, "GET", "/metrics").body);
+}
+
+/// Reports how many of the attacker's `things` ended between a question and its answer. Returns the median.
+double report_median(const char* attack, const std::string& things, std::vector<double> between,
+                     const char* before) {
+  std::sort(between.begin(), between.end());
+  const double median = between[between.size() / 2];
+  char number[20];
+  std::snprintf(number, sizeof number, "%.0f ", median);
+  report(attack, number + things + " of the other between question and answer, median", before);
+  return median;
 }
 
 /// Requests that take long, each on its own connection. The destructor resets the
@@ -159,12 +172,9 @@ TEST_P(ImportFloodAttack, WaitsForAnotherClientHoweverManyAreInLine) {
     }
   }
   ASSERT_EQ(between.size(), std::size_t{kQuestions});
-  std::sort(between.begin(), between.end());
-  EXPECT_LE(between[kQuestions / 2], 8) << "median; the imports that read now may end";
-  char text[120];
-  std::snprintf(text, sizeof text, "%.0f imports of the other between question and answer, median",
-                between[kQuestions / 2]);
-  report("ImportFlood", text, "16, all that are in line; if they are urgent, there is no answer");
+  const double median = report_median("ImportFlood", "imports", between,
+                                      "16, all that are in line; no answer at all if they are urgent");
+  EXPECT_LE(median, 8) << "the imports that read now may end";
   server.signal(SIGTERM);
   EXPECT_EQ(server.wait(), 0);
 }
@@ -202,12 +212,9 @@ TEST(RealtimeFlood, LeavesABatchClientItsShare) {
   }
   stop = true;
   for (std::thread& thread : flood) thread.join();
-  std::sort(between.begin(), between.end());
-  EXPECT_LE(between[kQuestions / 2], 4) << "of the others, the median; those that run end, or stand still";
-  char text[120];
-  std::snprintf(text, sizeof text, "%.0f realtime answers of the other between question and answer, median",
-                between[kQuestions / 2]);
-  report("RealtimeFlood", text, "a second's: batch work waits until it has aged");
+  const double median = report_median("RealtimeFlood", "realtime answers", between,
+                                      "a second's: batch work waits until it has aged");
+  EXPECT_LE(median, 4) << "those that run end, or stand still";
   server.signal(SIGTERM);
   EXPECT_EQ(server.wait(), 0);
 }

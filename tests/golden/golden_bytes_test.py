@@ -65,7 +65,7 @@ class GoldenBytes(unittest.TestCase):
         from checks.checkout import Checkout
         base = Checkout(golden_bytes.ROOT).base
         if not base:
-            self.skipTest("there is no commit to compare with")
+            self.skipTest("the repository has no earlier commit to compare with")
         self.assertIsNone(golden_bytes.change_after_release(golden_bytes.STORED.read_text(), at_base("tests/golden/golden_bytes.tsv"),
                                                             at_base("CHANGELOG.md")))
 

@@ -168,7 +168,7 @@ struct NextTurn : ToldTurn {
   std::atomic<int> others{-1};
 };
 
-/// Imports of one client that never end. Each of them has its turn in a worker, where it sleeps.
+/// Endless imports of one client. They take turns in a worker, in which they sleep.
 struct Flood {
   Flood(ImportPool& pool, Turn* turn, int count) {
     for (int k = 0; k < count; ++k) imports.emplace_back(pool, "! hang", turn, Flow{.name = "many"});

@@ -139,6 +139,17 @@ TEST_F(Holders, JobsThatAreRefusedOrCancelledAreCountedNoMore) {
   started("a", 1);
 }
 
+/// Starts five jobs of a client and waits until they are done. Returns their addresses.
+std::vector<std::string> finished_jobs(TestServer& server, const std::string& client) {
+  std::vector<std::string> jobs;
+  for (int seed = 0; seed < 5; ++seed) {
+    jobs.push_back(server.post("/fracture?seed=" + std::to_string(seed), "mesh", kAsync + by(client))
+                       .header("location"));
+    wait_for_state(server, jobs.back(), "done", by(client));
+  }
+  return jobs;
+}
+
 /// A thousand jobs with known answers cost next to nothing. The jobs of others stay, even after a restart.
 TEST(DurableHolders, FinishedJobsOfOthersOutliveAFloodOfKnownAnswers) {
   const TemporaryFolder folder;
@@ -148,11 +159,7 @@ TEST(DurableHolders, FinishedJobsOfOthersOutliveAFloodOfKnownAnswers) {
   std::vector<std::string> anas;
   {
     TestServer server(options);
-    for (int seed = 0; seed < 5; ++seed) {
-      anas.push_back(server.post("/fracture?seed=" + std::to_string(seed), "mesh", kAsync + by("ana"))
-                         .header("location"));
-      wait_for_state(server, anas.back(), "done", by("ana"));
-    }
+    anas = finished_jobs(server, "ana");
     for (int k = 0; k < 100; ++k)
       ASSERT_EQ(server.post("/fracture?seed=77", "mesh", kAsync + by("bob")).status, 202) << k;
     for (const std::string& job : anas) EXPECT_EQ(server.get(job, by("ana")).status, 200) << job;
@@ -185,11 +192,7 @@ TEST(DurableHolders, ResultsOfFinishedJobsOutliveAFloodOfNewAnswers) {
   std::vector<std::string> anas;
   {
     TestServer server(options);
-    for (int seed = 0; seed < 5; ++seed) {
-      anas.push_back(server.post("/fracture?seed=" + std::to_string(seed), "mesh", kAsync + by("ana"))
-                         .header("location"));
-      wait_for_state(server, anas.back(), "done", by("ana"));
-    }
+    anas = finished_jobs(server, "ana");
     server.api.flush_jobs();
     EXPECT_GE(server.api.jobs().figures().pinned_bytes, 50'000u);
     flood(server, 100);

@@ -77,7 +77,7 @@ TEST_F(TierWrites, TheClientThatHoldsTheMostLosesItsNewest) {
   store(tiers, {"a1", "a2", "a3", "a4", "a5", "a6", "a7", "a8", "a9", "aa"});
   EXPECT_EQ(dropped(), 0u) << "ten wait, and the first one is being written";
   store(tiers, {"ab"});
-  EXPECT_EQ(dropped(), 1u) << "nobody else waits";
+  EXPECT_EQ(dropped(), 1u) << "no answer of another client waits, so the new one is dropped";
   store(tiers, {"b0", "b1"});
   EXPECT_EQ(dropped(), 3u) << "8 of one client and 2 of the other";
   store(tiers, {"c0"}, 5 * kMiB);
