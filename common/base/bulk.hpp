@@ -1,4 +1,4 @@
-// Counts work on many bytes at once, to find threads that must not do it.
+// Counts operations on large blocks of bytes, to find threads that perform them but must not.
 //
 // A thread that serves many clients (an io thread of the server) keeps all of them waiting while it works for
 // one. Code that hashes, inflates, compresses, parses or sorts reports here how many bytes it processes. If

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "common/base/bulk.hpp"
+#include "common/base/pacer.hpp"
 #include "common/base/words.hpp"
 
 namespace fracture {
@@ -30,7 +31,7 @@ std::size_t text_bytes(const std::string& text) {
 /// Builds the value from the parser's events. Every function returns whether to continue.
 class Builder final : public nlohmann::json_sax<json> {
  public:
-  explicit Builder(const JsonLimits& limits) : limits_(limits) {}
+  Builder(const JsonLimits& limits, const Execution& execution) : limits_(limits), pacer_(execution) {}
 
   bool null() override { return add(nullptr, 0); }
   bool boolean(bool value) override { return add(value, 0); }
@@ -79,6 +80,7 @@ class Builder final : public nlohmann::json_sax<json> {
     return false;
   }
   bool count(std::size_t bytes) {
+    pacer_.step(8 + bytes / 16);
     bytes_ += bytes;
     return bytes_ <= limits_.bytes || stop(JsonFault::Kind::kTooLarge);
   }
@@ -112,6 +114,7 @@ class Builder final : public nlohmann::json_sax<json> {
   }
 
   const JsonLimits limits_;
+  Pacer pacer_;
   json root_;
   std::vector<std::string> names_;
   std::vector<json*> open_;
@@ -122,13 +125,14 @@ class Builder final : public nlohmann::json_sax<json> {
 
 }  // namespace
 
-tl::expected<JsonDocument, JsonFault> read_json(std::string_view text, const JsonLimits& limits) {
+tl::expected<JsonDocument, JsonFault> read_json(std::string_view text, const JsonLimits& limits,
+                                                const Execution& execution) {
   constexpr std::size_t kAsHashed = 32;  // parsing a byte takes as long as hashing this many
   count_bulk(kAsHashed * text.size());
   // The library treats a NUL as the end of the text, even if more text follows.
   if (const std::size_t nul = text.find('\0'); nul != std::string_view::npos)
     return tl::unexpected<JsonFault>({.kind = JsonFault::Kind::kSyntax, .byte = nul + 1});
-  Builder builder(limits);
+  Builder builder(limits, execution);
   const bool whole = json::sax_parse(text.begin(), text.end(), &builder);
   auto read = std::move(builder).take(whole);
   if (!read && read.error().kind == JsonFault::Kind::kSyntax)

@@ -16,6 +16,8 @@
 
 #include <tl/expected.hpp>
 
+#include "common/base/execution.hpp"
+
 namespace fracture {
 
 struct JsonLimits {
@@ -43,8 +45,9 @@ struct JsonDocument {
   std::vector<std::string> members;  ///< members of the outermost object, in the order of the text
 };
 /// Parses the text and stops at the first fault. Holds no more than `limits.bytes` (and the text of one
-/// string) at any time.
-tl::expected<JsonDocument, JsonFault> read_json(std::string_view text, const JsonLimits& limits);
+/// string) at any time. Polls once per some hundred values. Throws Interrupted.
+tl::expected<JsonDocument, JsonFault> read_json(std::string_view text, const JsonLimits& limits,
+                                                const Execution& execution = kUninterrupted);
 
 /// Returns only the value; null if read_json() refuses the text.
 inline nlohmann::json json_or_null(std::string_view text, const JsonLimits& limits = {}) {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "common/base/execution.hpp"
@@ -67,6 +68,38 @@ void resize_with_polls(const Execution& execution, std::vector<T>& vector, std::
     execution.poll();
   }
   vector.resize(size);
+}
+
+/// Calls body(piece) for consecutive pieces of the bytes, with a poll before each.
+template <class Byte, class Body>
+void each_piece(const Execution& execution, std::span<const Byte> bytes, const Body& body) {
+  static_assert(sizeof(Byte) == 1);
+  while (!bytes.empty()) {
+    execution.poll();
+    const auto piece = bytes.first(std::min(bytes.size(), kBytesBetweenPolls));
+    body(piece);
+    bytes = bytes.subspan(piece.size());
+  }
+}
+
+/// std::all_of that can be interrupted.
+template <class T, class Good>
+bool all_of_with_polls(const Execution& execution, const std::vector<T>& values, const Good& good) {
+  constexpr std::size_t kAtOnce = kBytesBetweenPolls / sizeof(T);
+  for (std::size_t begin = 0; begin < values.size(); begin += kAtOnce) {
+    execution.poll();
+    const auto block = std::span(values).subspan(begin, std::min(values.size() - begin, kAtOnce));
+    if (!std::all_of(block.begin(), block.end(), good)) return false;
+  }
+  return true;
+}
+
+/// Adds bytes to the end of a vector that has room for them. Can be interrupted.
+template <class Byte>
+void append_with_polls(const Execution& execution, std::vector<Byte>& vector, std::span<const Byte> bytes) {
+  each_piece(execution, bytes, [&vector](std::span<const Byte> piece) {
+    vector.insert(vector.end(), piece.begin(), piece.end());
+  });
 }
 
 /// Destroys elements that own memory, one by one; a million take a tenth of a second.

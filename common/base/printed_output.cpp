@@ -47,7 +47,7 @@ int finish_printed(const char* program, int exit_code) {
   const int copy = ::fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, 0);
   if (copy >= 0 && ::close(copy) != 0) remember_loss(errno);
   if (first_loss == 0) return exit_code;
-  std::fprintf(stderr, "%s: cannot write standard output: %s\n", program, std::strerror(first_loss));
+  std::fprintf(stderr, "%s: cannot write to standard output: %s\n", program, std::strerror(first_loss));
   return kExitSystem;
 }
 

@@ -25,9 +25,9 @@ Refusal refusal_of(Allowance::Answer answer, const std::string& limit) {
       return {ErrorCode::kTooComplex, "; the limit for one computation is " + limit, kAdviceForFewerProducts};
     case Allowance::Answer::kOverShare:
       return {ErrorCode::kOverShare,
-              "; the limit is " + limit +
-                  " for all computations of one client, and this client's others use the rest",
-              "Send the request again when one of them has finished."};
+              "; the limit for all computations of one client is " + limit +
+                  ", and this client's other computations use the rest",
+              "Send the request again when one of your other computations has finished."};
     default:
       return {ErrorCode::kOutOfMemory, ", but other computations are using too much memory now",
               "Try again later."};
@@ -129,7 +129,7 @@ void Allowance::grow(Product product, std::uint64_t bytes) {
   const Refusal refusal = refusal_of(answer, data_size(limit_));
   const std::uint64_t made = made_[static_cast<std::size_t>(product)].load();
   Error error{refusal.code, "This computation needs more than " + data_size(bytes) + " of memory" +
-                                refusal.why + ". Until then, it had made " + amount_of(product, made) + ". " +
+                                refusal.why + ". By then, it had made " + amount_of(product, made) + ". " +
                                 refusal.advice};
   if (refusal.code == ErrorCode::kOverShare) error.retry_after = std::chrono::seconds(10);
   error.extra = Figures(

@@ -13,7 +13,7 @@ void add_once(std::string sentence, std::vector<std::string>& list) {
   if (list.size() > kMostSentences) return;  // the last sentence says so
   if (std::find(list.begin(), list.end(), sentence) != list.end()) return;
   if (list.size() == kMostSentences)
-    sentence = "There are more sentences than these 1,000, which are not listed.";
+    sentence = "The limit is 1,000 sentences, so further ones are not listed.";
   list.push_back(std::move(sentence));
 }
 
