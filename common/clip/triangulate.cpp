@@ -126,7 +126,7 @@ class RingTriangulator {
 
  private:
   static constexpr std::uint32_t kManyCrossings = 8;
-  /// Limits the total for many rings that cross themselves to less than the sum of their own limits.
+  /// If many rings cross themselves, limits their total work to less than the sum of the rings' own limits.
   static constexpr std::size_t kStepsPerPoint = 512;
 
   void add_ring(std::span<const LatticePoint> points, std::span<const std::uint32_t> ring,

@@ -128,10 +128,11 @@ endfunction()
 set(FRACTURE_TEST_OPTIMIZATION -O1)
 
 # fracture_test(name LABELS unit|property|golden|e2e|threads|fuzz SOURCES ... DEPS ... [PRECOMPILE
-# header...]): a GoogleTest program. PRECOMPILE: headers, relative to the root of the checkout, that nearly
-# all of its sources include and that take longer to read than the tests themselves.
+# header...] [SECONDS n]): a GoogleTest program. PRECOMPILE: headers, relative to the root of the checkout,
+# that nearly all of its sources include and that take longer to read than the tests themselves. SECONDS: how
+# long a slow program takes. ctest starts the slowest first, so that none runs alone at the end.
 function(fracture_test name)
-  cmake_parse_arguments(ARG "" "TIMEOUT" "SOURCES;DEPS;LABELS;PRECOMPILE" ${ARGN})
+  cmake_parse_arguments(ARG "" "TIMEOUT;SECONDS" "SOURCES;DEPS;LABELS;PRECOMPILE" ${ARGN})
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 600)
   endif()
@@ -149,6 +150,9 @@ function(fracture_test name)
                         GTest::gmock_main)
   add_test(NAME ${name} COMMAND ${name})
   set_tests_properties(${name} PROPERTIES LABELS "${ARG_LABELS}" TIMEOUT ${ARG_TIMEOUT})
+  if(ARG_SECONDS)
+    set_tests_properties(${name} PROPERTIES COST ${ARG_SECONDS})
+  endif()
   # `--target tests_threads`: the programs with this label and their dependencies, for builds that run no
   # other tests.
   foreach(label IN LISTS ARG_LABELS)

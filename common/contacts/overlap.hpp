@@ -20,7 +20,7 @@ struct Inside {
 };
 
 struct Overlap {
-  Inside a{}, b{};      ///< without the surface that lies on the other part, in exactly its planes
+  Inside a{}, b{};      ///< without the surface that coincides with the other part's
   Patch flush{};        ///< common surface that faces the same way in both parts
   double volume = 0;    ///< m³
   double depth = 0;     ///< m: mean depth, the volume divided by the larger inside area, with common surface

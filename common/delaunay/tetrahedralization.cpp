@@ -28,7 +28,8 @@ Expected<KeptSites> keep_sites(std::span<const Vec3d> sites, const Box& box) {
                 "/points");
   if (!box.empty() && !(in_range(box.min) && in_range(box.max)))
     return fail(ErrorCode::kNotFinite,
-                "The coordinates of the mesh's box must be finite and at most 1e12 in magnitude.", "");
+                "The coordinates of the mesh's bounding box must be finite and at most 1e12 in magnitude.",
+                "");
   for (std::size_t i = 0; i < sites.size(); ++i)
     if (!in_range(sites[i]))
       return fail(ErrorCode::kNotFinite,

@@ -53,7 +53,7 @@ std::optional<std::string> IncrementalDelaunay::validate() const {
     if (!is_live(v)) continue;
     const TetId t = vertices_[v].tet;
     if (t >= tets_.size() || std::find(tets_[t].v, tets_[t].v + 4, v) == tets_[t].v + 4)
-      return "vertex " + std::to_string(v) + " points to a tetrahedron without it";
+      return "vertex " + std::to_string(v) + " points to a tetrahedron that does not contain it";
     if (vertices_[v].local != kNoLocal) return "vertex " + std::to_string(v) + " kept its cavity number";
   }
   return std::nullopt;

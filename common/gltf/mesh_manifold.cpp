@@ -50,7 +50,8 @@ void write_vertices(const Fragment& f, Room out, Pacer& pacer) {
 
 std::size_t merged_corners(const Fragment& f, Pacer& pacer) {
   if (f.topology.size() != f.positions.size())
-    throw InternalError("fragment " + std::to_string(f.id) + ": topology and vertices differ in number");
+    throw InternalError("fragment " + std::to_string(f.id) +
+                        ": topology and vertices have different lengths");
   std::size_t count = 0;
   std::uint32_t highest = 0;
   each_merged(f, pacer, [&](std::uint32_t, std::uint32_t vertex) {
@@ -58,7 +59,8 @@ std::size_t merged_corners(const Fragment& f, Pacer& pacer) {
     highest = std::max(highest, vertex);
   });
   if (highest >= f.positions.size())
-    throw InternalError("fragment " + std::to_string(f.id) + ": topology names a vertex that is not there");
+    throw InternalError("fragment " + std::to_string(f.id) +
+                        ": topology refers to a vertex that does not exist");
   return count;
 }
 

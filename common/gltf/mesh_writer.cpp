@@ -176,7 +176,8 @@ void MeshWriter::write(JsonText& json, const CollisionHull& hull, const std::str
   bool good = !hull.points.empty() && hull.points.size() <= kMaxShortVertices && !hull.triangles.empty();
   for (const auto& triangle : hull.triangles)
     for (const std::uint32_t point : triangle) good = good && point < hull.points.size();
-  if (!good) throw InternalError(name + ": a collision hull contradicts its own description");
+  if (!good)
+    throw InternalError(name + ": a collision hull is empty, too large or refers to a missing point");
 
   Pacer pacer(accessors_.execution());
   const std::size_t positions = put_positions(hull.points, bounds_of(hull.points, pacer));

@@ -36,7 +36,7 @@ double winding(const SurfaceTree& surface, const Vec3d& point, Pacer& pacer) {
   return angle / (4 * std::numbers::pi);
 }
 
-/// Decides whole blocks of points from the distance of one point: the distances of two points to the surface
+/// Classifies whole blocks of points by the distance of one point: the distances of two points to the surface
 /// differ by at most the distance between the points.
 class Depths {
  public:

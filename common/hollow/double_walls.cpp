@@ -239,7 +239,7 @@ std::string in_words(const InnerSide& side, double thickness, double longest, st
   if (side.rim)
     text += " The only opening between the two sides is at " + place(side.place) + " and measures " +
             short_number(*side.rim) + " m around.";
-  text += " So fragments are shards of a thin wall. If the part should be solid, " +
+  text += " So the fragments are shards of a thin wall. If the part should be solid, " +
           std::string(side.rim ? "close the opening and delete the inner side" : "delete the inner shell") +
           " in a modelling tool.";
   if (others > 0)

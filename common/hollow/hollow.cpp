@@ -40,8 +40,8 @@ void add_remarks(SolidReport& report, const HollowOptions& options, std::uint64_
   if (solid > 0) {
     const std::string what =
         closed_parts(solid, asked) + " stayed solid, because " + (solid == 1 ? "it is" : "they are") +
-        " nowhere thick enough for walls, or because the inner sides of all parts together may have at most " +
-        counted(options.max_all, "triangle", "triangles") + ".";
+        " nowhere thick enough for walls, or because the inner sides of all parts together would have more than " +
+        counted(options.max_all, "triangle", "triangles") + ", which is the limit.";
     if (by_material)
       report.remarks.note(what);
     else
@@ -65,7 +65,8 @@ void report_too_thick(const HollowOptions& options, std::uint64_t parts, std::ui
   };
   if (too_thin > 0)
     tell(closed_parts(too_thin, parts) + (too_thin == 1 ? " stays" : " stay") + " solid, because " + name +
-         " asks for walls of at least half the part's thickness. " +
+         " asks for walls at least half as thick as " +
+         (too_thin == 1 ? "the part itself. " : "the parts themselves. ") +
          (options.thickness > 0 ? "Give a value below " + short_number(thinnest / 2) + " m."
                                 : "Give a smaller value."));
   if (with_walls > 0)

@@ -18,11 +18,11 @@ namespace {
 constexpr std::size_t kBlock = 1u << 20;
 
 tl::unexpected<Error> too_large(std::uint64_t max_bytes) {
-  return fail(ErrorCode::kTooLarge, "The decompressed file has more than " + decoded_limit(max_bytes) +
-                                        ", which is the limit. " + kSmallerMesh);
+  return fail(ErrorCode::kTooLarge, "The decompressed file is larger than the limit of " +
+                                        decoded_limit(max_bytes) + ". " + kSmallerMesh);
 }
 tl::unexpected<Error> damaged(std::size_t good) {
-  return fail(ErrorCode::kMalformedMesh, "The compressed file is damaged, or ends early, after " +
+  return fail(ErrorCode::kMalformedMesh, "The compressed file is damaged or cut off after " +
                                              counted(good, "byte", "bytes") + ". Save or send it again.");
 }
 

@@ -27,7 +27,7 @@ std::uint32_t FileTextures::texture(const std::string& path, std::span<const std
                       ? in_another_file(name)
                       : "The image \"" + shortened(name) +
                             "\" is neither PNG nor JPEG and was left out. Surfaces that use it have no "
-                            "texture in the answer. Convert it to PNG or JPEG.");
+                            "texture in the answer. Convert the image to PNG or JPEG.");
     dropped_.push_back(
         {"image", name, image.bytes.empty() ? "its file was not given" : "it is neither PNG nor JPEG"});
     return known_[path] = kNoIndex;

@@ -43,7 +43,7 @@ double component(const unsigned char* at, int type, bool normalized) {
 std::uint64_t bytes_of(int type) {
   const std::uint64_t bytes = component_bytes(static_cast<std::uint64_t>(type));
   if (bytes == 0)
-    refuse(ErrorCode::kMalformedMesh, "The component type " + std::to_string(type) + " does not exist.");
+    refuse(ErrorCode::kMalformedMesh, std::to_string(type) + " is not a component type of glTF.");
   return bytes;
 }
 
@@ -61,7 +61,7 @@ const unsigned char* locate(const tinygltf::Model& model, int view, std::uint64_
   const bool fits = view_fits && count > 0 && offset <= v.byteLength && element <= v.byteLength - offset &&
                     count - 1 <= (v.byteLength - offset - element) / stride;
   if (!fits)
-    refuse(ErrorCode::kMalformedMesh, "An accessor leaves its bufferView " + std::to_string(view) + ".");
+    refuse(ErrorCode::kMalformedMesh, "An accessor extends beyond bufferView " + std::to_string(view) + ".");
   return data.data() + v.byteOffset + offset;
 }
 

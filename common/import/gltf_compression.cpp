@@ -158,8 +158,8 @@ std::vector<std::uint8_t> decode_meshopt(const json& extension, std::span<const 
     refuse(ErrorCode::kTooLarge,
            "The compressed view declares " + counted(count, "element", "elements") + " of " +
                std::to_string(stride) +
-               " bytes; it must have at least one element of 1 to 256 bytes, and at most " +
-               decoded_limit(limits.max_decoded_bytes) + ". Export the file again.",
+               " bytes. It needs at least one element, elements of 1 to 256 bytes, and at most " +
+               decoded_limit(limits.max_decoded_bytes) + " in total. Export the file again.",
            pointer);
   std::vector<std::uint8_t> out(count * stride);
   int result = -1;
@@ -177,7 +177,7 @@ std::vector<std::uint8_t> decode_meshopt(const json& extension, std::span<const 
   } else if (mode == "TRIANGLES" || mode == "INDICES") {
     if ((stride != 2 && stride != 4) || (mode == "TRIANGLES" && count % 3 != 0))
       refuse(ErrorCode::kMalformedMesh,
-             "Compressed indices must have 2 or 4 bytes each, and triangles must have three indices.",
+             "Each compressed index must have 2 or 4 bytes, and each triangle must have three indices.",
              pointer);
     result = mode == "TRIANGLES"
                  ? meshopt_decodeIndexBuffer(out.data(), count, stride, source.data(), source.size())

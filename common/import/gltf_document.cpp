@@ -44,9 +44,10 @@ void require_objects(const json& document, const char* key) {
 void check_version_and_extensions(const json& document) {
   const auto asset = document.find("asset");
   if (const auto meshes = document.find("meshes"); meshes != document.end() && meshes->is_object())
-    refuse(ErrorCode::kUnsupportedFeature,
-           "The document is glTF 1.0 (its meshes are an object with names); only glTF 2.x is supported.",
-           "/meshes");
+    refuse(
+        ErrorCode::kUnsupportedFeature,
+        "The document is glTF 1.0 (its \"meshes\" is an object, not an array); only glTF 2.x is supported.",
+        "/meshes");
   if (asset == document.end() || !asset->is_object() || !asset->contains("version") ||
       !(*asset)["version"].is_string())
     refuse(ErrorCode::kMalformedMesh, "The document has no asset.version, so it is not glTF.",
@@ -76,8 +77,8 @@ class Buffers {
       if (!is_data_uri(text) && !find_file(files, text))
         refuse(ErrorCode::kExternalResource,
                "The buffer is in another file, \"" + text.substr(0, 80) +
-                   "\". Only uploaded files are read: send a .glb, embed the buffer, or upload the file as "
-                   "another part.",
+                   "\", which was not given. Send a .glb, embed the buffer, send the file as another part of "
+                   "the form, or, for bake, put it at the path that the mesh names.",
                pointer, {{"uri", text.substr(0, 200)}});
     }
     owned_.reserve(buffers.size());
@@ -130,9 +131,9 @@ class Buffers {
     const std::span<const std::uint8_t> bytes = *views_[buffer];
     if (offset > bytes.size() || length > bytes.size() - offset)
       refuse(ErrorCode::kMalformedMesh,
-             std::to_string(length) + " bytes from byte " + std::to_string(offset) +
-                 " on do not fit in buffer " + std::to_string(buffer) + ", which has " +
-                 std::to_string(bytes.size()) + " bytes.",
+             "Buffer " + std::to_string(buffer) + " has only " + counted(bytes.size(), "byte", "bytes") +
+                 ", so it cannot contain " + std::to_string(length) + " bytes from byte " +
+                 std::to_string(offset) + " on.",
              pointer);
     return bytes.subspan(offset, length);
   }
@@ -243,15 +244,15 @@ void check_accessors(const json& document, const ImportLimits& limits) {
     const std::uint64_t component =
         component_bytes(unsigned_at(accessor, "componentType", kRequired, pointer));
     if (component == 0)
-      refuse(ErrorCode::kMalformedMesh, "The componentType does not exist.", pointer + "/componentType");
+      refuse(ErrorCode::kMalformedMesh, "The componentType is unknown.", pointer + "/componentType");
     const auto type = accessor.find("type");
     const std::uint64_t components =
         type != accessor.end() && type->is_string() ? component_count(type->get<std::string>()) : 0;
     if (components == 0)
-      refuse(ErrorCode::kMalformedMesh, "The accessor's type does not exist.", pointer + "/type");
+      refuse(ErrorCode::kMalformedMesh, "The accessor's type is unknown.", pointer + "/type");
     const std::uint64_t count = unsigned_at(accessor, "count", kRequired, pointer);
     if (count == 0)
-      refuse(ErrorCode::kMalformedMesh, "An accessor has to have at least one element.", pointer + "/count");
+      refuse(ErrorCode::kMalformedMesh, "An accessor needs at least one element.", pointer + "/count");
     const std::uint64_t element = component * components;
     if (count > limits.max_decoded_bytes / element)
       refuse(ErrorCode::kTooLarge,
@@ -269,7 +270,7 @@ void check_accessors(const json& document, const ImportLimits& limits) {
         refuse(ErrorCode::kMalformedMesh, "A sparse accessor needs indices and values.", inner);
       const std::uint64_t changed = unsigned_at(*sparse, "count", kRequired, inner);
       if (changed == 0 || changed > count)
-        refuse(ErrorCode::kMalformedMesh, "The sparse count has to be from 1 to the accessor's count.",
+        refuse(ErrorCode::kMalformedMesh, "The sparse count has to be between 1 and the accessor's count.",
                inner + "/count");
       const json &indices = (*sparse)["indices"], &values = (*sparse)["values"];
       const std::uint64_t index_type = unsigned_at(indices, "componentType", kRequired, inner + "/indices");
@@ -353,9 +354,8 @@ std::uint64_t append_binary(GltfDocument& document, std::span<const std::uint8_t
                             const ImportLimits& limits) {
   const std::uint64_t offset = (document.binary.size() + 7) / 8 * 8;
   if (bytes.size() > limits.max_decoded_bytes || offset > limits.max_decoded_bytes - bytes.size())
-    refuse(ErrorCode::kTooLarge, "The geometry decodes to more than " +
-                                     decoded_limit(limits.max_decoded_bytes) + ", which is the limit. " +
-                                     kSmallerMesh);
+    refuse(ErrorCode::kTooLarge, "The decoded geometry is larger than the limit of " +
+                                     decoded_limit(limits.max_decoded_bytes) + ". " + kSmallerMesh);
   document.binary.resize(offset);
   document.binary.insert(document.binary.end(), bytes.begin(), bytes.end());
   return offset;

@@ -117,7 +117,7 @@ void add_primitive(const std::vector<bool>& normal_mapped, const json& primitive
   add_extras(primitive, "a primitive of " + mesh, dropped);
   const std::uint64_t mode = index_in(primitive, "mode").value_or(4);
   if (mode < 4) dropped.push_back({mode == 0 ? "points" : "lines", mesh, "only triangles are fractured"});
-  if (mode > 6) dropped.push_back({"primitive", mesh, "its mode is not one of glTF 2.0"});
+  if (mode > 6) dropped.push_back({"primitive", mesh, "glTF 2.0 does not define its mode"});
   const auto attributes = primitive.is_object() ? primitive.find("attributes") : primitive.end();
   if (mode < 4 || mode > 6 || attributes == primitive.end() || !attributes->is_object()) return;
   if (!attributes->contains("POSITION")) {
@@ -282,9 +282,9 @@ OtherNodes other_nodes(const json& document, const tinygltf::Model& model, const
     else if (state[n] == kHidden)
       drop("KHR_node_visibility hides it");
     else if (!has_mesh && mesh_below[n] && model.nodes[n].name.empty())
-      drop("its transform is applied, and groups of fragments need a name");
+      drop("its transform is applied; groups of fragments need a name, and it has none");
     else if (!has_mesh && mesh_below[n] && level[n] >= kMostSourceLevels)
-      drop("its transform is applied, and answers have 64 levels of groups");
+      drop("its transform is applied, but answers have at most 64 levels of groups");
     else if (!has_mesh && mesh_below[n])
       in_answer = true;  // a group (SourceTree)
     else if (!has_mesh && is_joint[n])
@@ -303,7 +303,7 @@ OtherNodes other_nodes(const json& document, const tinygltf::Model& model, const
         dropped.push_back({"extras", name,
                            !in_answer           ? "their node is not in the answer"
                            : extras.is_object() ? "they are too long to be copied to each fragment"
-                                                : "only an object can be added to a fragment's extras"});
+                                                : "only a JSON object can be added to a fragment's extras"});
     }
     add_instances(node, name, dropped);
   }
@@ -311,7 +311,7 @@ OtherNodes other_nodes(const json& document, const tinygltf::Model& model, const
   for (std::size_t m = 0; m < std::min(meshes.size(), mesh_shown.size()); ++m)
     if (!mesh_shown[m])
       dropped.push_back(
-          {"mesh", name_or(meshes[m], pointer_to("meshes", m)), "no visible node of the scene shows it"});
+          {"mesh", name_or(meshes[m], pointer_to("meshes", m)), "no visible node of the scene uses it"});
   return result;
 }
 

@@ -21,14 +21,14 @@ constexpr std::array<std::string_view, 8> kApplied = {"KHR_mesh_quantization",  
                                                       "KHR_node_visibility",     "CESIUM_RTC"};
 
 constexpr const char* kNoLights = "answers have no lights";
-constexpr const char* kNoMetadata = "fragments have no metadata of features";
-constexpr const char* kLooks = "fragments have the core material instead";
+constexpr const char* kNoMetadata = "fragments have no feature metadata";
+constexpr const char* kLooks = "fragments have the glTF core material instead";
 constexpr const char* kNoAnimation = "fragments are not animated";
 constexpr const char* kNoInteraction = "fragments do not react to input";
 constexpr const char* kNoSound = "answers have no sound";
 constexpr const char* kNoAvatar = "fragments are not an avatar";
 constexpr const char* kOwnPhysics = "fragments have their own bodies and colliders";
-constexpr const char* kNotApplied = "its meaning for the answer is unknown";
+constexpr const char* kNotApplied = "the extension is unknown, so it was not applied";
 
 struct Harmless {
   std::string_view name;
@@ -72,7 +72,7 @@ constexpr Harmless kHarmless[] = {
     {"KHR_audio_emitter", kNoSound},
     {"KHR_audio", kNoSound},
     {"MSFT_audio_emitter", kNoSound},
-    {"MSFT_lod", "only the nodes of the scene are fractured, which are the most detailed ones"},
+    {"MSFT_lod", "only the scene's nodes are fractured; they are the most detailed level"},
     {"VRM", kNoAvatar},
     {"VRMC_vrm", kNoAvatar},
     {"VRMC_springBone", kNoAvatar},

@@ -95,8 +95,7 @@ class MeshReader {
       if (it == primitive.attributes.end()) return {};
       std::vector<double> values = read_accessor(model_, it->second, width);
       if (values.size() != count * static_cast<std::size_t>(width))
-        refuse(ErrorCode::kMalformedMesh,
-               "The attribute " + name + " and the attribute POSITION have different counts.",
+        refuse(ErrorCode::kMalformedMesh, "The attributes " + name + " and POSITION have different counts.",
                "/accessors/" + std::to_string(it->second) + "/count");
       return values;
     };

@@ -81,7 +81,7 @@ void bound(MaterialLibrary& library, Remarks& remarks, std::vector<Dropped>& dro
   remarks.warn(
       "The materials' extras were left out, because with them the materials would take more than " +
       grouped(kMaxLibraryBytes >> 20) +
-      " MiB of memory. The fragments' materials have no extras. If you need them, make them smaller.");
+      " MiB of memory. So the fragments' materials have no extras. If you need the extras, make them smaller.");
 }
 
 using Remap = std::vector<std::uint32_t>;  ///< old index -> new index, or kNoIndex if dropped
@@ -188,7 +188,7 @@ std::optional<Image> read_image(const json& source, const ViewBytes& view_bytes,
     remarks.warn(
         "The image at " + pointer +
         " is in an unknown format and was left out. Surfaces that use it have no texture in the answer. "
-        "Convert it to PNG or JPEG.");
+        "Convert the image to PNG or JPEG.");
     return drop(pointer, "its format is unknown");
   }
   return image;
@@ -206,8 +206,8 @@ bool is_material_extension(const std::string& name) {
 
 std::string in_another_file(std::string_view image) {
   return "The image \"" + shortened(image) +
-         "\" is in another file and was left out. Surfaces that use it have no texture in the answer. Embed the "
-         "image, send it as another part of the form, or, for bake, put it at the path that the mesh gives.";
+         "\" is in another file, which was not given, so it was left out. Surfaces that use it have no texture in the "
+         "answer. Embed the image, send it as another part of the form, or, for bake, put it at the path that the mesh names.";
 }
 
 std::string sniff_image(std::span<const std::uint8_t> bytes) {

@@ -28,8 +28,8 @@ bool add_displacements(const tinygltf::Model& model, const std::vector<MorphTarg
         components == 0 ? std::vector<double>() : read_accessor(model, accessor->second, width);
     if (components == 0 || components > stride || moves.size() != count * components) {
       remarks.warn(
-          "A morph target was not applied, because it has a different number of vertices from the shape that it "
-          "changes. The fragments have the shape without it. Export the file again without compression.");
+          "A morph target was not applied, because it and its mesh have different numbers of vertices. The fragments "
+          "have the shape without this target. Export the file again without compression.");
       continue;
     }
     for (std::size_t v = 0; v < count; ++v)

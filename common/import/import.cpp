@@ -117,7 +117,7 @@ Expected<void> limit_materials(const MaterialLibrary& library) {
     if (json_bytes(*list) > kMost)
       return fail(ErrorCode::kTooLarge,
                   "The materials take more than " + data_size(kMost) +
-                      " in memory, which is the limit. Merge materials that look the same.",
+                      " of memory, which is the limit. Merge materials that look the same.",
                   {}, {{"limit", kMost}});
   return {};
 }

@@ -83,8 +83,10 @@ void drop_wrong_indices(std::vector<std::uint32_t>& indices, std::size_t values,
   if (dropped == 0) return;  // the face had too few corners
   remarks.warn(counted(dropped, "corner uses a ", "corners use a ") + kind +
                " that the OBJ does not contain: line " + std::to_string(highest.line) + " uses number " +
-               std::to_string(highest.index + 1) + ", and there are " + grouped(values) +
-               ". Such corners have none. The appearance may be wrong there. Export the file again.");
+               std::to_string(highest.index + 1) + ", but the file has " +
+               (values == 0 ? "none" : "only " + grouped(values)) + ". " +
+               (dropped == 1 ? "This corner has no " : "These corners have no ") + kind +
+               " in the answer and may look wrong. Export the file again.");
 }
 
 class ObjMesh {
@@ -195,8 +197,8 @@ void list_left_out(const ObjText& text, std::vector<Dropped>& dropped) {
   for (const ObjLeftOut& kind : text.left_out)
     dropped.push_back({kind.what,
                        kind.count == 1
-                           ? "in line " + std::to_string(kind.line)
-                           : grouped(kind.count) + " of them, the first in line " + std::to_string(kind.line),
+                           ? "on line " + std::to_string(kind.line)
+                           : grouped(kind.count) + " of them, the first on line " + std::to_string(kind.line),
                        kind.reason});
 }
 

@@ -56,9 +56,9 @@ std::optional<std::array<float, 3>> color_of(std::string_view rest) {
 
 const char* reason_to_leave_out(std::string_view keyword) {
   if (keyword == "bump" || keyword == "map_bump")
-    return "it contains heights, but glTF has only maps of normals (norm)";
-  if (keyword == "map_pr" || keyword == "map_pm") return "glTF needs roughness and metalness in one picture";
-  if (keyword == "map_d") return "glTF needs opacity and colour in one picture";
+    return "it is a height map, but glTF has only normal maps (norm)";
+  if (keyword == "map_pr" || keyword == "map_pm") return "glTF needs roughness and metalness in one image";
+  if (keyword == "map_d") return "glTF needs opacity and colour in one image";
   return "glTF has no texture of this kind";
 }
 
@@ -66,7 +66,7 @@ const char* reason_to_leave_out(std::string_view keyword) {
   refuse(
       ErrorCode::kTooLarge,
       "The materials take more than " + data_size(kMaxLibraryBytes) +
-          " in memory, which is the limit. Remove materials that no face uses, or merge those that look the same.",
+          " of memory, which is the limit. Remove materials that no face uses, or merge those that look the same.",
       {}, {{"limit", kMaxLibraryBytes}});
 }
 
@@ -192,18 +192,18 @@ void ObjMaterials::warn_about_libraries(const std::vector<bool>& used, Remarks& 
         name_as_utf8(printable(shortened(missing_[0]))) +
         (more == 0 ? " was not given"
                    : " and " + counted(more, "more library", "more libraries") + " were not given") +
-        ": materials are lost. The surface is grey there and has no textures. Send the file as another part of the "
-        "form, or, for bake, put it at the path that the mesh gives.");
+        ", so materials are missing. Surfaces that use them are grey and have no textures. Send the file as another "
+        "part of the form, or, for bake, put it at the path that the mesh names.");
   } else if (lacking && !asked_.empty()) {
     remarks.warn(
-        "The material " + quotation(materials_[first].plain.name) +
-        " is used by faces, but the material libraries do not define it. Such faces are grey. Check the name, or "
-        "export the libraries again.");
+        "Faces use the material " + quotation(materials_[first].plain.name) +
+        ", but the material libraries do not define it. These faces are grey. Check the name, or export the "
+        "libraries again.");
   }
   if (unreadable_count_ > 0)
     remarks.warn(counted(unreadable_count_, "statement of a material library is",
                          "statements of material libraries are") +
-                 " not as MTL defines and had no effect; the first is " + unreadable_ +
+                 " not valid MTL and had no effect; the first is " + unreadable_ +
                  ". Colours may be wrong. Correct the file.");
 }
 

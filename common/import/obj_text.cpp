@@ -62,9 +62,9 @@ class ObjTextReader {
 
   ObjText read() {
     if (const std::size_t zero = whole_.find('\0'); zero != std::string_view::npos)
-      refuse(ErrorCode::kMalformedMesh, "This is not an OBJ file: it contains a zero at byte " +
+      refuse(ErrorCode::kMalformedMesh, "This is not an OBJ file: OBJ is text, but byte " +
                                             std::to_string(zero) +
-                                            ", but OBJ is text. State its actual format.");
+                                            " is zero. State the file's actual format.");
     ObjLines lines(whole_);
     for (std::string_view line; lines.next(line);) {
       line_ = lines.number();
@@ -266,7 +266,7 @@ class ObjTextReader {
     refuse_line(
         ErrorCode::kMalformedMesh, line_,
         "the corner " + quotation(word) +
-            " is not v, v/t, v//n or v/t/n with numbers from 1 (or from -1, backwards). Export the file again.");
+            " is not of the form v, v/t, v//n or v/t/n. Numbers begin at 1, or count backwards from -1. Export the file again.");
   }
 
   /// Refuses what only the whole file shows.
@@ -274,7 +274,7 @@ class ObjTextReader {
     if (out_.positions.size() == 0)
       refuse(ErrorCode::kMalformedMesh,
              "This is not an OBJ file: no line begins with \"v \"; the file begins with " +
-                 quotation(whole_.substr(0, 16)) + ". State its actual format.");
+                 quotation(whole_.substr(0, 16)) + ". State the file's actual format.");
     if (out_.corners_of_face.empty()) refuse_without_faces();
     if (highest_.line != 0 && highest_.index >= out_.positions.size())
       refuse_line(ErrorCode::kMalformedMesh, highest_.line,
@@ -291,7 +291,7 @@ class ObjTextReader {
     for (const ObjLeftOut& kind : out_.left_out)
       if (kind.what == std::string_view(kFreeForm))
         refuse(ErrorCode::kUnsupportedFeature,
-               "The OBJ has no faces, only free-form surfaces (surf, first in line " +
+               "The OBJ has no faces, only free-form surfaces (surf, first on line " +
                    std::to_string(kind.line) + "), which are not read. Export it as polygons.",
                {}, {{"line", kind.line}});
     std::string others;
@@ -326,8 +326,8 @@ class ObjTextReader {
       refuse(
           ErrorCode::kNotFinite,
           "Line " + std::to_string(lines.number()) + " of the OBJ: " + vertex +
-              " has a coordinate that is not a finite number, or that is larger than 3.4e38, the largest float. Repair "
-              "the mesh in a modelling tool.",
+              " has a coordinate that is not finite or exceeds 3.4e38, the largest float. Repair the mesh in a "
+              "modelling tool.",
           {}, {{"line", lines.number()}, {"vertex", wanted}});
     }
     throw InternalError("an OBJ has fewer vertices when it is read again");

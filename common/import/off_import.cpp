@@ -47,7 +47,7 @@ class OffReader {
     file_.end_part({});
     if (colored_faces_ > 0)
       file_.dropped.push_back(
-          {"face colours", counted(colored_faces_, "face", "faces"), "only colours of vertices are read"});
+          {"face colours", counted(colored_faces_, "face", "faces"), "only vertex colours are read"});
     const double grey = file_.colors.empty() ? 0.6 : 1.0;  // vertex colours are multiplied by it
     file_.library.materials.push_back(plain_material({grey, grey, grey}));
     file_.material = 0;
@@ -61,10 +61,11 @@ class OffReader {
     const std::string_view word = scan_.word_in_line();
     const std::size_t name = word.find("OFF");
     const auto other = [&] {
-      refuse(ErrorCode::kMalformedMesh,
-             "This is not an OFF file: it has to begin with \"OFF\" (after ST, C, N, 4 or n) but begins "
-             "with " +
-                 quotation(word) + ".");
+      refuse(
+          ErrorCode::kMalformedMesh,
+          "This is not an OFF file: it has to begin with \"OFF\" (ST, C, N, 4 or n may precede it) but begins "
+          "with " +
+              quotation(word) + ".");
     };
     if (name == std::string_view::npos) other();
     std::string_view prefix = word.substr(0, name);
@@ -190,7 +191,7 @@ class OffReader {
   void finish_colors() {
     if (uncolored_ > 0)
       file_.dropped.push_back({"vertex colours", counted(uncolored_, "vertex", "vertices"),
-                               "colours by index need a colour map, which the file does not contain"});
+                               "indexed colours need a colour map, which the file does not contain"});
     if (uncolored_ == file_.colors.size()) file_.colors.clear();
     bool bytes = false;
     for (const Vec4f& c : file_.colors) bytes |= c.x > 1 || c.y > 1 || c.z > 1 || c.w > 1;

@@ -33,7 +33,7 @@ class PlyHeaderReader {
   PlyHeader read() {
     if (file_.substr(0, 3) != "ply" || file_.size() < 4 || trimmed(next_line()) != "ply")
       refuse(ErrorCode::kMalformedMesh,
-             "This is not a PLY file: it has to begin with a line \"ply\" but begins with " +
+             "This is not a PLY file: it has to begin with the line \"ply\" but begins with " +
                  quotation(file_.substr(0, 16)) + ".");
     bool has_format = false;
     for (;;) {
@@ -73,7 +73,8 @@ class PlyHeaderReader {
     at_ = end;
     if (at_ < file_.size() && file_[at_] == '\r' && !cr_only_) ++at_;
     if (at_ < file_.size() && file_[at_] == (cr_only_ ? '\r' : '\n')) ++at_;
-    at_ = std::max(at_, std::min(end + 1, file_.size()));  // a line that ends unlike the first
+    // A line whose line ending differs from the first line's.
+    at_ = std::max(at_, std::min(end + 1, file_.size()));
     return file_.substr(begin, end - begin);
   }
 
@@ -147,10 +148,10 @@ class PlyHeaderReader {
         each += text ? 2 : ply_bytes(property.length.value_or(property.type));
       if (each == 0) continue;
       if (element.count > (remaining + (text ? 1 : 0)) / each)
-        refuse(ErrorCode::kMalformedMesh, "The PLY declares " + std::to_string(element.count) + " elements " +
-                                              quotation(element.name) + " (at least " + std::to_string(each) +
-                                              " bytes each), but only " + std::to_string(remaining) +
-                                              " bytes are left for them. Export or copy the file again.");
+        refuse(ErrorCode::kMalformedMesh,
+               "The PLY declares " + std::to_string(element.count) + " " + quotation(element.name) +
+                   " elements (at least " + std::to_string(each) + " bytes each), but only " +
+                   std::to_string(remaining) + " bytes are left for them. Export or copy the file again.");
       remaining -= std::min(remaining, element.count * each);
     }
   }

@@ -110,7 +110,7 @@ class PlyReader {
 
   void skip_element(const PlyElement& element) {
     file_.dropped.push_back(
-        {"element", name_as_utf8(element.name), "only vertices, faces and strips of triangles are read"});
+        {"element", name_as_utf8(element.name), "only vertices, faces and triangle strips are read"});
     for (std::uint64_t k = 0; k < element.count; ++k) {
       data_.begin();
       for (const PlyProperty& property : element.properties) skip_property(property);
@@ -187,7 +187,7 @@ class PlyReader {
       else
         drop_property(element, property, "only corners and texture coordinates of a face are read");
     }
-    if (colored) file_.dropped.push_back({"face colours", {}, "only colours of vertices are read"});
+    if (colored) file_.dropped.push_back({"face colours", {}, "only vertex colours are read"});
     if (found.indices == none)
       refuse(ErrorCode::kMalformedMesh,
              "The PLY's element \"face\" has no list vertex_indices or vertex_index, so its corners are "

@@ -81,7 +81,7 @@ void use_positions(PolygonFile& file) {
                                       [](const auto& entry, std::size_t v) { return entry.first < v; });
     refuse(ErrorCode::kNotFinite,
            "Vertex " + std::to_string(vertex) + " (counted from 0, at " + file.places(bad->second) +
-               ") has a coordinate that is not a finite number of at most 3.4e38. Repair the mesh in a "
+               ") has a coordinate that is not finite or exceeds 3.4e38. Repair the mesh in a "
                "modelling tool.",
            {}, {{"vertex", vertex}});
   }

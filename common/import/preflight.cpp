@@ -48,7 +48,7 @@ Expected<GlbChunks> split_glb(std::span<const std::byte> bytes) {
   if (bytes.size() < 20)
     return fail(ErrorCode::kMalformedMesh,
                 "The GLB is incomplete: it has " + counted(bytes.size(), "byte", "bytes") +
-                    ", and its header and first chunk take at least 20. " + kSendAgain);
+                    ", but its header and first chunk take at least 20. " + kSendAgain);
   if (const std::uint32_t version = read_u32(bytes, 4); version != 2)
     return fail(ErrorCode::kUnsupportedFeature, "The GLB has container version " + std::to_string(version) +
                                                     "; only version 2 (glTF 2.0) is supported.");
@@ -110,7 +110,7 @@ Expected<void> check_magic(std::span<const std::byte> bytes, MeshFormat format) 
   const std::string_view text = as_text(bytes);
   const auto begins = [&](std::string_view magic) { return text.substr(0, magic.size()) == magic; };
   const auto refuse = [&](const char* name, const char* expected) {
-    return fail(ErrorCode::kMalformedMesh, "This file does not have the format " + std::string(name) +
+    return fail(ErrorCode::kMalformedMesh, "This file is not in the format " + std::string(name) +
                                                ": it should have " + expected + ", but begins with " +
                                                beginning_of(bytes) +
                                                ". Name the file's real format, or export it again.");

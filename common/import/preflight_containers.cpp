@@ -55,7 +55,7 @@ Expected<MeshFormat> kind_of_xml(std::span<const std::byte> bytes) {
   for (char& c : root) c = c >= 0x20 && c < 0x7f ? c : '.';
   return fail(ErrorCode::kUnsupportedFeature,
               "The root element of the XML is <" + root.substr(0, 40) +
-                  ">. COLLADA, Irrlicht's mesh and irr_scene, Ogre's mesh and XGL's WORLD are supported.");
+                  ">. It must be COLLADA, irr_scene (Irrlicht), mesh (Irrlicht or Ogre) or WORLD (XGL).");
 }
 
 Expected<void> check_zip(std::span<const std::byte> bytes, const ImportLimits& limits) {

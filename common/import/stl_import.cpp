@@ -8,6 +8,7 @@
 
 #include "common/base/words.hpp"
 #include "common/import/binary_numbers.hpp"
+#include "common/import/limit_words.hpp"
 #include "common/import/polygon_file.hpp"
 #include "common/import/refused.hpp"
 #include "common/import/text_scanner.hpp"
@@ -146,7 +147,9 @@ class TextStl {
     file_.corners.push_back(static_cast<std::uint32_t>(file_.positions.size()));
     file_.add_position(p, at);
     if (file_.positions.size() >= kNoIndex)
-      refuse(ErrorCode::kTooLarge, "The ASCII STL has more than 4,294,967,294 corners.");
+      refuse(ErrorCode::kTooLarge,
+             std::string("The ASCII STL has more than 4,294,967,294 corners, which is the limit. ") +
+                 kSmallerMesh);
   }
 
   void end_facet(const ImportLimits& limits) {

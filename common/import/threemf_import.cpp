@@ -137,7 +137,7 @@ class Materials {
     if (held_ > kMaxLibraryBytes)
       refuse(ErrorCode::kTooLarge,
              "The materials and colours of the 3MF package take more than " + data_size(kMaxLibraryBytes) +
-                 " in memory, which is the limit. Export the file with fewer colours.",
+                 " of memory, which is the limit. Export the file with fewer colours.",
              {}, {{"limit", kMaxLibraryBytes}});
     library_.materials.push_back(std::move(made));
     return slots_[key] = static_cast<std::uint32_t>(library_.materials.size() - 1);
@@ -179,7 +179,7 @@ class Materials {
               ? in_another_file(name)
               : "The image \"" + shortened(name) +
                     "\" is neither PNG nor JPEG and was left out. Surfaces that use it have no texture "
-                    "in the answer. Convert it to PNG or JPEG.");
+                    "in the answer. Convert the image to PNG or JPEG.");
       dropped_.push_back(
           {"image", name,
            image.bytes.empty() ? "the package does not contain it" : "it is neither PNG nor JPEG"});
@@ -216,7 +216,8 @@ class Importer3mf {
     if (package_.has(kBambu)) threemf::read_bambu(package_.read_text(kBambu), modifiers_);
     const ModelPart& root = part(path);
     if (root.build.empty())
-      refuse(ErrorCode::kEmptyMesh, "The 3MF package has no build items: nothing in it is to be made.");
+      refuse(ErrorCode::kEmptyMesh,
+             "The 3MF package has no build items, so it places no objects. Export it with an object.");
     const auto add_all = [&] {
       instances_ = visited_ = left_out_ = 0;
       for (const Instance& item : root.build) add(item, path, Transform{}, kNoIndex, kNoIndex, 0);
@@ -293,8 +294,9 @@ class Importer3mf {
         modifier == modifiers_.triangles.end() ? kNoRanges : std::as_const(modifier->second);
     visited_ += object.vertices.size() + object.triangles.size() + ranges.size();
     if (visited_ > kMaxVisited)
-      refuse(ErrorCode::kTooLarge, "The instances in the 3MF package have more than " + grouped(kMaxVisited) +
-                                       " vertices and triangles. Reduce the number of copies.");
+      refuse(ErrorCode::kTooLarge,
+             "The instances in the 3MF package have more than " + grouped(kMaxVisited) +
+                 " vertices and triangles, which is the limit. Reduce the number of copies.");
     Surface surface;
     const bool identity = world == Transform{}, mirrored = world.determinant() < 0;
     const bool has_uvs = !object.uvs.empty();
@@ -340,16 +342,15 @@ class Importer3mf {
   void tell() {
     Remarks& remarks = builder_.remarks();
     if (left_out_ > 0)
-      remarks.note(
-          counted(left_out_, "object or volume was", "objects or volumes were") +
-          " left out, because a slicer does not print them: supports, modifiers and negative volumes.");
+      remarks.note(counted(left_out_, "object or volume was", "objects or volumes were") +
+                   " left out, because slicers do not print supports, modifiers or negative volumes.");
     if (blended_ > 0)
       remarks.note(counted(blended_, "triangle blends", "triangles blend") +
                    " several colours. The colour of the first corner was used for the whole triangle.");
     if (unread_ > 0)
       remarks.warn(
           counted(unread_, "triangle has", "triangles have") +
-          " properties of a kind that is not read (such as multiproperties or composite materials), and "
+          " properties of an unsupported kind (such as multiproperties or composite materials) and therefore "
           "no material in the answer. Export the file with base materials, colours or textures.");
   }
 

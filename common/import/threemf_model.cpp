@@ -81,7 +81,8 @@ class Reader {
  private:
   [[noreturn]] void wrong(const std::string& what) const {
     refuse(ErrorCode::kMalformedMesh, "The 3MF part \"" + shortened(printable(path_)) +
-                                          "\" is wrong at byte " + std::to_string(at_) + ": " + what + ".");
+                                          "\" has an error at byte " + std::to_string(at_) + ": " + what +
+                                          ".");
   }
 
   void enter(std::string_view tag, std::string_view name) {
@@ -168,12 +169,12 @@ class Reader {
   }
 
   void add_vertex(std::string_view tag) {
-    if (!object_) wrong("a vertex is outside of an object");
+    if (!object_) wrong("a vertex is outside an object");
     object_->vertices.push_back({number(tag, "x"), number(tag, "y"), number(tag, "z")});
   }
 
   void add_triangle(std::string_view tag) {
-    if (!object_) wrong("a triangle is outside of an object");
+    if (!object_) wrong("a triangle is outside an object");
     std::array<std::uint32_t, 3> corners{};
     constexpr std::array<std::string_view, 3> kCorners{"v1", "v2", "v3"}, kProperties{"p1", "p2", "p3"};
     for (std::size_t k = 0; k < 3; ++k) {

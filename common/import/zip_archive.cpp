@@ -93,8 +93,8 @@ Expected<std::vector<ZipEntry>> read_zip_directory(std::span<const std::byte> ar
   if (!directory)
     return fail(
         ErrorCode::kMalformedMesh,
-        "This is not a complete ZIP archive, which this format requires: it has to begin with \"PK\" and "
-        "end with its directory. Copy, download or export the file again.");
+        "This format requires a complete ZIP archive, which begins with \"PK\" and ends with its directory. "
+        "The file is not one. Copy, download or export the file again.");
   std::vector<ZipEntry> entries;
   std::uint64_t at = directory->at, decoded = 0;
   for (std::uint64_t k = 0; k < directory->entries; ++k) {
@@ -115,13 +115,13 @@ Expected<std::vector<ZipEntry>> read_zip_directory(std::span<const std::byte> ar
       complete = read_extra(text.substr(at + kEntry + name, extra), entry);
     }
     if (!complete)
-      return fail(ErrorCode::kMalformedMesh, "The ZIP directory has no complete entry " + std::to_string(k) +
-                                                 " of " + std::to_string(directory->entries) + " at byte " +
-                                                 std::to_string(at) + ".");
+      return fail(ErrorCode::kMalformedMesh,
+                  "Entry " + std::to_string(k + 1) + " of " + std::to_string(directory->entries) +
+                      " in the ZIP directory, at byte " + std::to_string(at) + ", is incomplete.");
     if (entry.size > max_bytes || decoded > max_bytes - entry.size)
       return fail(ErrorCode::kTooLarge,
-                  "The ZIP archive declares more content than the limit of " + decoded_limit(max_bytes) +
-                      ": its entry " + std::to_string(k) + ", " + quoted(entry.name) + ", has " +
+                  "The content of the ZIP archive exceeds the limit of " + decoded_limit(max_bytes) +
+                      ": its entry " + std::to_string(k + 1) + ", " + quoted(entry.name) + ", has " +
                       data_size(entry.size) + ". " + kSmallerMesh,
                   {}, {{"limit", max_bytes}});
     decoded += entry.size;
@@ -152,7 +152,7 @@ Expected<std::vector<std::byte>> unzip(std::span<const std::byte> archive, const
                    ", but other data are there.");
   const std::uint64_t begin =
       entry.header + kLocal + number_at(text, entry.header + 26, 2) + number_at(text, entry.header + 28, 2);
-  if (!is_before(begin, entry.packed, text.size())) return damaged("the archive ends before it.");
+  if (!is_before(begin, entry.packed, text.size())) return damaged("the archive ends before its data.");
   const std::span<const std::byte> packed = archive.subspan(begin, entry.packed);
   constexpr std::uint16_t kStored = 0, kDeflated = 8;
   std::vector<std::byte> bytes;
@@ -165,7 +165,7 @@ Expected<std::vector<std::byte>> unzip(std::span<const std::byte> archive, const
   } else {
     return fail(ErrorCode::kUnsupportedFeature,
                 "The file " + quoted(entry.name) + " in the ZIP archive has the compression method " +
-                    std::to_string(entry.method) + ". Stored (0) and deflated (8) files are supported.");
+                    std::to_string(entry.method) + ". Only stored (0) and deflated (8) files are supported.");
   }
   if (bytes.size() != entry.size)
     return damaged("it has " + std::to_string(bytes.size()) + " bytes instead of " +

@@ -44,7 +44,7 @@ std::vector<MaterialPreset> make_presets() {
   ClusteredPattern concrete, chunks;
   chunks.share = 0.5;  // large blocks have enough cells to be ragged
   presets.push_back({"concrete",
-                     "Large ragged blocks with crushed zones of rubble between them.",
+                     "Large ragged blocks with rubble between them.",
                      chunks,
                      0,
                      1,
@@ -57,7 +57,7 @@ std::vector<MaterialPreset> make_presets() {
                      {6, 1.8}});
 
   presets.push_back({"stone",
-                     "Ragged chunks, with sizes as in blasted rock.",
+                     "Ragged chunks with the sizes of blasted rock.",
                      UniformPattern{},
                      0,
                      1,
@@ -73,7 +73,7 @@ std::vector<MaterialPreset> make_presets() {
   brick.jitter = 0.05;
   presets.push_back(
       {"brick",
-       "Masonry in running bond: lumps with toothed edges; whole, half and crushed bricks at the hit.",
+       "Masonry in running bond: lumps with toothed edges, and whole, half and crushed bricks at the hit.",
        brick,
        0,
        1,
@@ -101,7 +101,7 @@ std::vector<MaterialPreset> make_presets() {
   // Handbook, iron).
   presets.push_back(
       {"metal",
-       "Sheet metal, torn into large plates and strips with saw-toothed edges; nothing bends.",
+       "Sheet metal torn into large plates and strips with saw-toothed edges; nothing bends.",
        UniformPattern{},
        0,
        3,

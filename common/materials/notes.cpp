@@ -23,7 +23,7 @@ constexpr Named kNotes[] = {
       2.0}},
     {"concrete",
      {"pillars, slabs, bunkers",
-      "A mixture of many sizes, set by eye to lie between the distribution of a single process and that of Mott and Linfoot (1943).",
+      "A mixture of many sizes, chosen by eye between the distribution of a single process and that of Mott and Linfoot (1943).",
       2.9}},
     {"stone",
      {"statues, rocks, blocks",
@@ -38,7 +38,7 @@ constexpr Named kNotes[] = {
       1.5}},
     {"metal",
      {"doors, tanks, cars; engines (with `shell=0`)",
-      "Strips run in the direction in which a shell tears: Mott (1947), Fragmentation of shell cases; jagged edges chosen by eye.",
+      "Strips run in the direction in which a shell tears: Mott (1947), Fragmentation of shell cases. The jagged edges are chosen by eye.",
       2.1}},
     {"cast_iron", {"machines, bells, grates", "Brittle, with no preferred direction; chosen by eye.", 1.9}},
     {"ice",
@@ -57,7 +57,7 @@ constexpr Named kNotes[] = {
 const MaterialNotes& notes_of(const MaterialPreset& preset) {
   for (const Named& named : kNotes)
     if (std::string_view(preset.name) == named.material) return named.notes;
-  throw std::logic_error(std::string("there are no notes on the material ") + preset.name);
+  throw std::logic_error(std::string("this material lacks notes: ") + preset.name);
 }
 
 }  // namespace fracture

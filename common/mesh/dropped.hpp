@@ -25,7 +25,7 @@ inline constexpr std::size_t kLongestDroppedName = 63;
 /// Kinds are in the order of their first entries. A list that is ready does not change.
 void shorten_dropped(std::vector<Dropped>& list);
 
-/// Returns the entry for people: "light Lamp: fragments have no lights".
+/// Returns the entry as readable text: "light Lamp: fragments have no lights".
 std::string to_text(const Dropped& dropped);
 
 }  // namespace fracture

@@ -121,10 +121,10 @@ Expected<FrameReport> to_metres_y_up(Mesh& mesh, const FrameOptions& options) {
       .metres = 1, .metres_stated = true, .z_up = false, .up_stated = true, .offset = report.offset};
   if (!(offset == Vec3d{}))
     mesh.remarks.note(
-        "The mesh is so far from its origin that floats are too coarse there. So the answer's root node is at " +
+        "The mesh is so far from its origin that floats are too coarse there. Therefore, the answer's root node is at " +
         to_text(offset) +
         " m, and all places in the answer and its report are relative to this point. Places in parameters "
-        "are not: they have the origin of the file.");
+        "are still measured from the file's origin.");
   return report;
 }
 

@@ -325,20 +325,19 @@ void report(Mesh& mesh, const Cast& cast) {
         break;
       case Role::kHidden:
         hidden.add(name);
-        mesh.dropped.push_back({kGeometry, name, "it is never visible, and no mesh has its name"});
+        mesh.dropped.push_back({kGeometry, name, "it is never visible, and its name matches no mesh"});
         break;
     }
   }
   if (!hulls.empty())
     mesh.remarks.warn(
-        hulls.count() + " not broken because the name is that of collision geometry: " + hulls.names() +
-        ". With intact=true, the unbroken mesh has it as colliders. To break it like other nodes, "
-        "use proxies=geometry.");
+        hulls.count() + " named as collision geometry and therefore not broken: " + hulls.names() +
+        ". With intact=true, the unbroken mesh uses this geometry as colliders. To break it like other "
+        "nodes, use proxies=geometry.");
   if (!hidden.empty())
     mesh.remarks.warn(hidden.count() +
-                      " left out because the name is that of collision geometry, which is never "
-                      "visible: " +
-                      hidden.names() + ". To break it like other nodes, use proxies=geometry.");
+                      " named as collision geometry, which is never visible, and therefore left out: " +
+                      hidden.names() + ". To break this geometry like other nodes, use proxies=geometry.");
   shorten_dropped(mesh.dropped);
 }
 

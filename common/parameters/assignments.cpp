@@ -63,7 +63,7 @@ Expected<std::vector<std::uint32_t>> parts_of(const json& value, std::size_t ent
 Expected<RawAssignment> entry_of(const json& value, std::size_t index) {
   const std::string at = "/" + std::to_string(index);
   if (!value.is_object())
-    return wrong("have objects such as {\"node\": \"Wall_*\", \"material\": \"brick\"} as entries; entry " +
+    return wrong("contain objects such as {\"node\": \"Wall_*\", \"material\": \"brick\"}; entry " +
                      std::to_string(index + 1) + " is " + shown(value),
                  at);
   RawAssignment entry;
@@ -116,7 +116,7 @@ Expected<json> entry_of_text(std::string_view text, std::size_t index) {
     std::uint32_t part = 0;
     const auto [end, error] = std::from_chars(selector.data(), selector.data() + selector.size(), part);
     if (error != std::errc{} || end != selector.data() + selector.size())
-      return wrong("have the number of a part after 'part='; entry " + std::to_string(index + 1) + " had '" +
+      return wrong("give the number of a part after 'part='; entry " + std::to_string(index + 1) + " had '" +
                    shown(json(std::string(selector))) + "'");
     entry[std::string(kind)] = part;
   } else {
@@ -214,10 +214,10 @@ ParameterSpec assign_row() {
       .name = "assign",
       .type = Type::kAssignments,
       .doc =
-          "Materials for single parts of the mesh. Each entry has a `material`, a selector, and any parameters of materials "
-          "and patterns. Selectors: `node` (with all nodes below it), `slot` (the material on most of a part's surface) and "
-          "`part` (its number). The first entry that matches a part applies. An entry without `material` does not use the "
-          "request's.",
+          "Materials for individual parts of the mesh. Each entry has a selector, and a `material` or other parameters "
+          "of materials and patterns. Selectors: `node` (with all nodes below it), `slot` (the material on most of a "
+          "part's surface) and `part` (a number). The first entry that matches a part applies. The `material` of the "
+          "request does not apply to an entry without `material`.",
       .decides = Decides::kSites};
   spec.set = [](RequestParameters&, const ParameterSpec&, const ParameterValue&) {
   };  // ParameterTable::parse() does it

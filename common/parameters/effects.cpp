@@ -36,11 +36,11 @@ std::string pattern_in(const Asked& a) {
 
 Why needs_hits(const Asked& a) {
   if (!a.request.local_point.empty()) return {};
-  return "it belongs to hits. Give 'local_point' and 'local_radius'.";
+  return "it applies only to hits. Give 'local_point' and 'local_radius'.";
 }
 Why needs_fragment(const Asked& a) {
   if (a.request.fragment) return {};
-  return "it belongs to a fragment that breaks again. Give 'fragment'.";
+  return "it applies only if a fragment breaks again. Give 'fragment'.";
 }
 Why needs_roughness(const Asked& a) {
   if (a.fracture.roughness.amplitude > 0) return {};
@@ -52,7 +52,7 @@ Why needs_hulls(const Asked& a) {
 }
 Why needs_parts(const Asked& a) {
   if (a.answer.report.solid.parts > 1) return {};
-  return "the mesh has one part, so there are no contacts between parts.";
+  return "the mesh has only one part, so it has no contacts between parts.";
 }
 
 /// Fragments also have bonds with nodes that stay whole.
@@ -70,7 +70,7 @@ Why instances(const Asked& a) {
       if (node.mesh != kNoIndex) meshes.push_back(node.mesh);
   std::sort(meshes.begin(), meshes.end());
   if (std::adjacent_find(meshes.begin(), meshes.end()) != meshes.end()) return {};
-  return "instances are nodes with the same mesh, and each mesh of the file is in only one node.";
+  return "no two nodes of the file have the same mesh, so the file has no instances.";
 }
 
 Why needs_stretch(const Asked& a) {
@@ -117,7 +117,7 @@ Why axis(const Asked& a) {
 Why tilt(const Asked& a) {
   const auto* slices = std::get_if<SlicePattern>(&a.pattern);
   if (!slices || slices->normals.size() < 2) return {};
-  return "only planes of a single family are tilted. Give one of the 'normals'.";
+  return "planes are tilted only if there is a single family. Give a single vector in 'normals'.";
 }
 
 Why mortar(const Asked& a) {
@@ -130,18 +130,18 @@ Why near_sites(const Asked& a) {
   const auto* impact = std::get_if<ImpactPattern>(&a.pattern);
   const auto* clustered = std::get_if<ClusteredPattern>(&a.pattern);
   if ((!impact || impact->share > 0) && (!clustered || clustered->share > 0)) return {};
-  return "'share' is 0, so no sites are near impacts or in clusters.";
+  return "'share' is 0, so no sites are near impacts or in clusters. Give a 'share' above 0.";
 }
 
 Why impacts(const Asked& a) {
   const auto* radial = std::get_if<RadialPattern>(&a.pattern);
   if (!radial || radial->impacts.size() < 2 || a.answer.report.solid.parts > 1) return {};
-  return "except for the first point, because pattern=radial has one centre. Use pattern=impact.";
+  return "pattern=radial has one centre. For several points, use pattern=impact.";
 }
 
 Why dual(const Asked& a) {
   if (a.fracture.dual == Dual::kCircumcenter || is_barycentric(a.fracture)) return {};
-  return "with local_rest=whole, hits cut the whole parts, by Voronoi cells. Use local_rest=fractured, or leave "
+  return "with local_rest=whole, hits cut the unbroken parts into Voronoi cells. Use local_rest=fractured, or leave "
          "out 'dual'.";
 }
 
@@ -155,11 +155,11 @@ Why min_of_mean(const Asked& a) {
 
 Why drop_above(const Asked& a) {
   if (dual(a))
-    return "with local_rest=whole, hits cut the whole parts, by Voronoi cells. Use local_rest=fractured, or leave "
+    return "with local_rest=whole, hits cut the unbroken parts into Voronoi cells. Use local_rest=fractured, or leave "
            "out both this and 'dual'.";
   const auto& barycenter = a.answer.report.barycenter;
   if (!barycenter || !barycenter->dropped || barycenter->dropped->fragments > 0) return {};
-  return "no fragment is larger. Give a smaller volume.";
+  return "no fragment is larger than this volume. Give a smaller one.";
 }
 
 Why shell_ball(const Asked& a) {
@@ -170,7 +170,7 @@ Why shell_ball(const Asked& a) {
 
 Why gravity(const Asked& a) {
   if (a.fracture.anchors.any()) return {};
-  return "it belongs to the support analysis, which needs anchors. Give 'anchor_plane', 'anchor_box' or "
+  return "it applies only to the support analysis, which needs anchors. Give 'anchor_plane', 'anchor_box' or "
          "'anchor_points'.";
 }
 
@@ -187,7 +187,7 @@ Why broken(const Asked& a) {
     unknown += (unknown.empty() ? "" : ", ") + std::to_string(id);
   }
   if (count > kMostNamed) unknown += " and " + grouped(count - kMostNamed) + " more";
-  return "no fragment has the ID " + unknown + ". Use the IDs of this request's answer without 'broken'.";
+  return "no fragment has the ID " + unknown + ". Use IDs from the answer to this request without 'broken'.";
 }
 
 constexpr Check kChecks[] = {
@@ -243,7 +243,9 @@ std::vector<std::string> parameters_without_effect(const RequestParameters& para
                                   [&](const ParameterSpec& spec) { return spec.name == check.parameter; });
     if (value_of(*row, parameters) == value_of(*row, baseline)) continue;
     if (const Why why = check.why({parameters, answer}))
-      sentences.push_back("'" + row->name + "' had no effect: " + *why);
+      sentences.push_back(
+          "'" + row->name +
+          (row->name == "impacts" ? "' had no effect beyond its first point: " : "' had no effect: ") + *why);
   }
   return sentences;
 }

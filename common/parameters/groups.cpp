@@ -145,7 +145,7 @@ constexpr ParameterGroup kGroups[] = {
     {"The mesh", "", kMesh},
     {"Several materials", "See also [A house of several materials](guides/several-materials.md).", kSeveral},
     {"Cuts", "For pictures, see [Patterns and materials](materials.md).", kCuts},
-    {"Ragged chunks", "These fragments consist of several cells.", kChunks},
+    {"Ragged chunks", "Ragged chunks are fragments of several cells.", kChunks},
     {"Parameters of individual patterns", "", kPatterns},
     {"Rough cuts", "Noise makes the cut faces uneven; the two sides of a cut still match.", kRough},
     {"Number and size of fragments",
@@ -153,7 +153,7 @@ constexpr ParameterGroup kGroups[] = {
      kSizes},
     {"Regions without cuts", "", kKept},
     {"Local hits",
-     "The guide [compares local hits with `impacts`](guides/more-pieces-where-it-is-hit.md). "
+     "A guide [compares local hits with `impacts`](guides/more-pieces-where-it-is-hit.md). "
      "See also [how a game uses local hits](interface.md#hit-the-fragments-again).",
      kHits},
     {"Break one fragment again", "", kAgain},
@@ -162,7 +162,7 @@ constexpr ParameterGroup kGroups[] = {
     {"Appearance of the outside", "", kOutside},
     {"Appearance of the cuts", "", kInside},
     {"Physics and engines", "", kPhysics},
-    {"Barycentric cells", "Cells as defined in the paper that this project started from.", kBarycentric},
+    {"Barycentric cells", "The paper that this project started from defines these cells.", kBarycentric},
 };
 
 }  // namespace

@@ -26,9 +26,9 @@ ParameterSpec of_row() {
       .type = Type::kText,
       .max = 300,
       .doc =
-          "Address of an earlier answer for the same mesh (its Content-Location header). The new hits are applied after its "
-          "hits, with its parameters. If the server no longer has it (404), send the parameters instead; the bytes are the "
-          "same."};
+          "Address of an earlier answer for the same mesh, from the answer's Content-Location header. The new hits "
+          "follow that answer's hits and use its parameters. If the server no longer has the answer (404), send that "
+          "answer's parameters and all hits instead; the bytes are the same."};
   spec.check = [](const ParameterValue& value) -> std::optional<std::string> {
     if (!answer_key_in(std::get<std::string>(value)).empty()) return std::nullopt;
     return "be the address of an answer, /fractures/sha256: followed by 64 lower-case hex digits";
@@ -81,8 +81,8 @@ std::vector<ParameterSpec> hit_parameter_rows() {
        .low = -kFarPlace,
        .high = kFarPlace,
        .doc =
-           "Points where the mesh is hit, measured from the file's origin (for a hole or a chipped corner). Each hit breaks "
-           "only what is within its radius. A later hit cuts the pieces of earlier ones. Requires `local_radius`."},
+           "Points where the mesh is hit (for a hole or a chipped corner), measured from the file's origin. Each hit "
+           "breaks only what is within its radius. A later hit cuts the pieces of earlier ones. Requires `local_radius`."},
       [](auto& r) -> auto& { return r.local_point; }));
   rows.push_back(with_member(
       {.name = "local_radius",
@@ -91,23 +91,26 @@ std::vector<ParameterSpec> hit_parameter_rows() {
        .low = kLeastLength,
        .high = kFar,
        .doc =
-           "Radius of each hit: one number per hit, or one for all. Nothing is cut beyond 1.25 times the radius, and parts "
-           "beyond the radius stay whole. With a stretch, it is the longest half-axis of an ellipsoid. Requires `local_point`."},
+           "Radius of each hit: one number per hit, or one for all. Nothing is cut beyond 1.25 times the radius; parts "
+           "entirely beyond the radius stay whole. With `stretch` or `stretch_matrix`, a hit is an ellipsoid, and the "
+           "radius is its longest half-axis. Requires `local_point`."},
       [](auto& r) -> auto& { return r.local_radius; }));
   rows.push_back(with_member(
       {.name = "local_sites",
        .type = Type::kIntegers,
        .min = 1,
        .max = kMostHitSites,
-       .doc = "Number of cells of each hit: one number per hit, or one for all; in total at most 10,000."},
+       .doc =
+           "Number of cells with which each hit cuts fragments: one number per hit, or one for all (at most 10,000 in "
+           "total)."},
       [](auto& r) -> auto& { return r.local_sites; }));
   rows.push_back(with_member(
       {.name = "local_rest",
        .type = Type::kChoice,
        .choices = {"whole", "fractured"},
        .doc =
-           "The pieces to which the hits are applied. `whole`: the parts of the mesh. Parts that no hit reaches stay whole. "
-           "`fractured`: the pieces of the pattern. The rest of a piece keeps its ID. Always used if `of` names an answer "
+           "The pieces that the hits break. `whole`: the parts of the mesh. `fractured`: the pieces of the pattern. The "
+           "rest of a piece that is hit keeps the piece's ID. `fractured` is always used if `of` names an answer "
            "without hits."},
       [](auto& r) -> auto& { return r.fracture.rest; }));
   for (std::size_t k = first; k < rows.size(); ++k) {
@@ -120,8 +123,9 @@ std::vector<ParameterSpec> hit_parameter_rows() {
        .choices = {"none", "stated", "only"},
        .doc =
            "How the answer reports the changes that the new hits made. `none`: not at all. `stated`: the report lists new, "
-           "changed and removed fragments, and the server keeps the answer for further hits. Default with `of` and hits. "
-           "`only`: like `stated`, but the answer contains only new and changed fragments. Not with `levels`."},
+           "changed and removed fragments, and the server keeps the answer for further hits. This is the default "
+           "with `of` and hits. `only`: like `stated`, but the answer contains only new and changed fragments. Not with "
+           "`levels`."},
       [](auto& r) -> auto& { return r.delta; }));
   rows.push_back(with_member(
       {.name = "local_new",
@@ -129,7 +133,7 @@ std::vector<ParameterSpec> hit_parameter_rows() {
        .min = 1,
        .max = kMostHits,
        .doc =
-           "How many of the last points in `local_point` are new hits. Only with `delta` and without `of`."},
+           "Number of points at the end of `local_point` that are new hits. Only with `delta` and without `of`."},
       [](auto& r) -> auto& { return r.local_new; }));
   rows[rows.size() - 2].matters = [](const RequestParameters& r) { return r.delta != DeltaAnswer::kNone; };
   rows.back().matters = [](const RequestParameters& r) {
@@ -142,12 +146,10 @@ std::optional<Error> complete_hits(RequestParameters& r) {
   FractureParameters& f = r.fracture;
   if (r.local_point.empty() != r.local_radius.empty())
     return r.local_point.empty()
-               ? bad_parameter(
-                     "local_point",
-                     "'local_point' is missing. Give it with 'local_radius': where the hit is, in metres.")
-               : bad_parameter(
-                     "local_radius",
-                     "'local_radius' is missing. Give it with 'local_point': how far the hit reaches, in metres.");
+               ? bad_parameter("local_point",
+                               "'local_radius' requires 'local_point': the position of each hit, in metres.")
+               : bad_parameter("local_radius",
+                               "'local_point' requires 'local_radius': how far each hit reaches, in metres.");
   const std::size_t points = r.local_point.size();
   if (points > 0) {
     if (auto wrong = spread("local_radius", r.local_radius, points)) return wrong;

@@ -5,6 +5,7 @@
 #include <set>
 #include <utility>
 
+#include "common/base/bulk.hpp"
 #include "common/base/nearest_name.hpp"
 #include "common/parameters/assignments.hpp"
 #include "common/parameters/effects.hpp"
@@ -82,6 +83,9 @@ class Offences {
   std::optional<Error> first_;
   nlohmann::json entries_ = nlohmann::json::array();
 };
+
+/// Bytes whose hashing takes about as long as comparing an unknown name with all names, and as reading an entry of `assign`.
+constexpr std::size_t kUnknownAsHashed = 2u << 10, kEntryAsHashed = 4u << 10;
 
 using Given = std::map<std::string, const RawParameter*>;
 
@@ -184,6 +188,7 @@ class ParameterTable::Parsing {
   void read(const RawParameter& raw, const std::string& place, Given& seen, Values& values) {
     const ParameterSpec* spec = table_.find(raw.name);
     if (!spec) {
+      if (!offences_.full()) count_bulk(kUnknownAsHashed);
       if (names_.empty())
         for (const ParameterSpec& known : table_.specs_) names_.push_back(known.name);
       if (offences_.full())
@@ -288,13 +293,15 @@ class ParameterTable::Parsing {
     if (values.contains("assign") && !(result.physical.bond_strength > 0))
       offences_.add_missing(
           "bond_strength",
-          "'bond_strength' must be above 0 with 'assign', because entries refer to it. Give 1 instead of 0.");
+          "'bond_strength' must be above 0 with 'assign', because the strengths of entries are relative to "
+          "it. Give 1 instead of 0.");
   }
 
   /// Adds the entries of `assign`. Each starts from the parameters of the request that no material sets.
   void add_assignments(const std::vector<RawAssignment>& entries, const Values& request,
                        RequestParameters& result) {
     for (std::size_t k = 0; k < entries.size(); ++k) {
+      count_bulk(kEntryAsHashed);
       Given seen;
       Values values;
       const std::string place = "/" + std::to_string(k);

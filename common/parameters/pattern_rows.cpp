@@ -22,7 +22,7 @@ std::vector<ParameterSpec> pattern_parameter_rows(std::uint32_t max_sites) {
        .low = -kFarPlace,
        .high = kFarPlace,
        .doc =
-           "Positions of the Voronoi sites, measured from the file's origin (y up). `pattern=points` requires them."}));
+           "Positions of the Voronoi sites, measured from the file's origin. `pattern=points` requires them."}));
   rows.push_back(with_pattern_member<&ImpactPattern::impacts, &RadialPattern::impacts,
                                      &BrickPattern::impacts>(
       {.name = "impacts",
@@ -33,11 +33,11 @@ std::vector<ParameterSpec> pattern_parameter_rows(std::uint32_t max_sites) {
        .low = -kFarPlace,
        .high = kFarPlace,
        .doc =
-           "Points where the mesh is hit, measured from the file's origin. The whole mesh breaks, with the smallest pieces "
-           "there; `local_point` breaks only the area around a hit. `radial`: the first point is the centre of the rings. "
-           "`brick`: bricks at a point are crushed; without points, none. Points far outside the mesh are moved to its "
-           "surface, with a warning. Default: the centre of the bounding box. If no `pattern` is given, "
-           "`impact` replaces `uniform` and `clustered`."}));
+           "Points where the mesh is hit, measured from the file's origin. The whole mesh breaks, with the smallest "
+           "pieces near these points. To break only the area around a hit, use `local_point`. `radial`: the first point "
+           "is the centre of the rings. `brick`: bricks at a point are crushed. Points far outside the mesh are moved "
+           "to its surface. Default: the centre of the bounding box; with `brick`, no points. If you give no `pattern`, "
+           "`impact` replaces `uniform` or `clustered` set by default or by `material`."}));
   rows.push_back(with_pattern_member<&ImpactPattern::radius, &ClusteredPattern::radius>(
       {.name = "radius",
        .type = Type::kNumber,
@@ -45,15 +45,16 @@ std::vector<ParameterSpec> pattern_parameter_rows(std::uint32_t max_sites) {
        .low = kLeastLength,
        .high = kFar,
        .doc =
-           "Radius of the area around an impact that contains its sites, or approximate radius of a cluster. Default: a third "
-           "of the longest side of the bounding box; for a cluster, 0.12 times the mean side."}));
+           "Radius of the area that contains the sites of an impact, or approximate radius of a cluster. Default: a "
+           "third of the longest side of the bounding box; for a cluster, 0.12 times the geometric mean of the box's "
+           "sides."}));
   rows.push_back(with_pattern_member<&ImpactPattern::exponent, &ClusteredPattern::exponent>(
       {.name = "exponent",
        .type = Type::kNumber,
        .low = 0,
        .high = 2.9,
        .doc =
-           "The density of sites is proportional to distance^-exponent from an impact or cluster centre. 0: uniform within "
+           "The density of sites around an impact or cluster centre is proportional to distance^-exponent. 0: uniform within "
            "`radius`. Default: 2 for `impact`, 1.5 for `clustered`."}));
   rows.push_back(with_pattern_member<&ImpactPattern::share, &ClusteredPattern::share>(
       {.name = "share",
@@ -61,8 +62,8 @@ std::vector<ParameterSpec> pattern_parameter_rows(std::uint32_t max_sites) {
        .low = 0,
        .high = 1,
        .doc =
-           "Fraction of the sites near an impact or in a cluster; the others are uniform. Default: 0.8 for `impact`, 0.88 for "
-           "`clustered`."}));
+           "Fraction of the sites near an impact or in a cluster. The other sites are spread uniformly. Default: 0.8 for "
+           "`impact`, 0.88 for `clustered`."}));
   rows.push_back(with_pattern_member<&ClusteredPattern::clusters>(
       {.name = "clusters",
        .type = Type::kInteger,
@@ -75,23 +76,24 @@ std::vector<ParameterSpec> pattern_parameter_rows(std::uint32_t max_sites) {
        .choices = {"axis", "point", "shape"},
        .doc =
            "Centre of the rings and spokes. `axis`: a line (for a pane). `point`: a point from which spokes run in all "
-           "directions (for a vessel or a lump). `shape`: plates break as with `axis`, rods across their length, and other "
-           "parts as with `point`."}));
+           "directions (for a vessel or a lump). `shape`: plates break as with `axis`, rods break across their "
+           "length, and other parts break as with `point`."}));
   rows.push_back(with_pattern_member<&RadialPattern::axis>(
       {.name = "axis",
        .type = Type::kDirection,
        .low = -kFar,
        .high = kFar,
        .doc =
-           "Axis of the rings and spokes. Default: perpendicular to a plate; otherwise along the shortest side of the bounding "
-           "box or, with `crushed`, from the hit to the box's centre."}));
+           "Axis of the rings and spokes. Default: perpendicular to a plate. For other shapes: along the shortest side of "
+           "the bounding box or, with `crushed`, from the hit to the box's centre."}));
   rows.push_back(with_pattern_member<&RadialPattern::spokes>(
       {.name = "spokes",
        .type = Type::kInteger,
        .min = 3,
        .max = 720,
        .doc =
-           "Number of spokes. Default: enough for about `sites` pieces, but at least 14, or 6 if spokes run in all directions."}));
+           "Number of spokes. Default: enough for about `sites` pieces, but at least 14 (6 if spokes run in all "
+           "directions)."}));
   rows.push_back(with_pattern_member<&RadialPattern::rings>(
       {.name = "rings",
        .type = Type::kInteger,
@@ -109,7 +111,7 @@ std::vector<ParameterSpec> pattern_parameter_rows(std::uint32_t max_sites) {
        .type = Type::kNumber,
        .low = 0,
        .high = 0.9,
-       .doc = "Fraction of the cracks along rings that is left out, for longer shards."}));
+       .doc = "Fraction of the cracks along rings that is left out. Higher values make longer shards."}));
   rows.push_back(with_pattern_member<&RadialPattern::crushed>(
       {.name = "crushed",
        .type = Type::kNumber,
@@ -124,7 +126,7 @@ std::vector<ParameterSpec> pattern_parameter_rows(std::uint32_t max_sites) {
        .high = 1,
        .doc =
            "Irregularity of the pattern. With `grid`, `brick` and `slice`, planes are shifted by up to this fraction of half "
-           "their distance. Default: 0.5 for `radial`, 0.2 for `slice`, otherwise 0."}));
+           "the distance between them. Default: 0.5 for `radial`, 0.2 for `slice`, otherwise 0."}));
   ParameterSpec cell = with_pattern_member<&GridPattern::cell, &BrickPattern::cell>(
       {.name = "cell",
        .type = Type::kVector,
@@ -132,9 +134,9 @@ std::vector<ParameterSpec> pattern_parameter_rows(std::uint32_t max_sites) {
        .low = kLeastLength,
        .high = kFar,
        .doc =
-           "Size of a box along x, y and z (`grid`), or length, height and depth of a brick with its joint (`brick`). Bricks "
-           "lie along the longer horizontal side of the wall. If you give a size, each brick is one piece. Default: about "
-           "`sites` pieces, with `brick` each of one to six bricks."});
+           "Size of a box along x, y and z (`grid`), or length, height and depth of a brick with its joint (`brick`). "
+           "Bricks lie along the longer horizontal side of the wall. If you give a size, each brick is one piece. "
+           "Default: a size that makes about `sites` pieces; with `brick`, each of these has one to six bricks."});
   rows.push_back(std::move(cell));
   rows.push_back(with_pattern_member<&BrickPattern::bond>(
       {.name = "bond",
@@ -173,11 +175,11 @@ std::vector<ParameterSpec> pattern_parameter_rows(std::uint32_t max_sites) {
     const auto& given = std::get<std::vector<Vec3d>>(value);
     Matrix3 rows_of;
     for (std::size_t k = 0; k < given.size(); ++k) rows_of.rows[k] = given[k];
-    if (given.size() == 1 && !(length(given[0]) > 1e-9)) return "be directions that are not zero";
+    if (given.size() == 1 && !(length(given[0]) > 1e-9)) return "have a direction other than 0,0,0";
     if (given.size() == 1) return std::nullopt;
     if (given.size() == 2) rows_of.rows[2] = cross(given[0], given[1]);
     if (rows_of.conditioning() >= kLeastConditioning) return std::nullopt;
-    return "be linearly independent directions: these are, at least nearly, in one plane or on one line";
+    return "be linearly independent directions: these lie (at least nearly) in one plane or on one line";
   };
   rows.push_back(std::move(normals));
   rows.push_back(with_pattern_member<&SlicePattern::spacing>(
@@ -194,7 +196,7 @@ std::vector<ParameterSpec> pattern_parameter_rows(std::uint32_t max_sites) {
        .unit = "degrees",
        .low = 0,
        .high = 45,
-       .doc = "Maximum random tilt of each plane, if there is a single family of planes."}));
+       .doc = "Maximum random tilt of each plane. Planes are tilted only if there is a single family."}));
   return rows;
 }
 

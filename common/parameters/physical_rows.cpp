@@ -58,8 +58,8 @@ std::vector<ParameterSpec> physical_parameter_rows() {
        .low = 0,
        .high = 1000,
        .doc =
-           "Strength of bonds between fragments of different parts, as a multiple of `bond_strength` times their contact area. "
-           "0: no such bonds."},
+           "Strength of bonds between fragments of different parts: this factor times `bond_strength` times the contact "
+           "area. 0: no such bonds."},
       [](auto& r) -> auto& { return r.fracture.contact_strength; }));
   rows.back().matters = [](const RequestParameters& r) { return r.fracture.contact_strength != 1; };
   return rows;

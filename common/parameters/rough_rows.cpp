@@ -16,8 +16,9 @@ std::vector<ParameterSpec> rough_parameter_rows() {
        .low = 0,
        .high = 0.25,
        .doc =
-           "How far noise moves cut faces out of their planes, as a fraction of the solid's size: the cube root of the volume "
-           "of its largest part. The server lowers an amplitude that is too high for `rough_frequency`. 0: flat cuts."},
+           "How far noise moves cut faces out of their planes, as a fraction of the solid's size. This size is the cube "
+           "root of the volume of the largest part. The server lowers an amplitude that is too high for "
+           "`rough_frequency`. 0: flat cuts."},
       [](auto& r) -> auto& { return r.fracture.roughness.amplitude; }));
   rows.back().matters = [](const RequestParameters& r) {
     const MaterialPreset* preset = find_material_preset(r.material);  // its roughness is overridden by 0

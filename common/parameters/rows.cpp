@@ -19,9 +19,9 @@ void add_output_rows(std::vector<ParameterSpec>& rows) {
        .type = Type::kChoice,
        .choices = {"circumcenter", "barycenter"},
        .doc =
-           "How cells are made. `circumcenter`: Voronoi cells, which divide the mesh exactly. `barycenter`: convex hulls of "
-           "the tetrahedra's barycentres. They look softer, but fragments overlap and leave gaps, and size limits never merge "
-           "them."},
+           "How cells are made. `circumcenter`: Voronoi cells, which divide the mesh exactly. `barycenter`: convex hulls "
+           "of the barycentres of Delaunay tetrahedra. Fragments look softer but overlap and leave gaps. Small ones are "
+           "not merged."},
       [](auto& r) -> auto& { return r.fracture.dual; }));
   rows.push_back(with_member(
       {.name = "drop_above",
@@ -29,7 +29,7 @@ void add_output_rows(std::vector<ParameterSpec>& rows) {
        .unit = "m³",
        .low = 0,
        .high = 1e18,
-       .doc = "Larger fragments are left out. Only with `dual=barycenter`. 0: no limit."},
+       .doc = "Fragments larger than this are left out. Only with `dual=barycenter`. 0: no limit."},
       [](auto& r) -> auto& { return r.fracture.drop_above; }));
   rows.back().matters = [](const RequestParameters& r) { return r.fracture.drop_above > 0; };
   rows.push_back(with_member(
@@ -38,8 +38,8 @@ void add_output_rows(std::vector<ParameterSpec>& rows) {
        .choices = {"khr", "omi", "none"},
        .doc =
            "Format of the fragments' physics data. `khr`: KHR_physics_rigid_bodies, with collision filters for overlapping "
-           "hulls. `omi`: OMI_physics_body and OMI_physics_shape, for Godot. It has no filters; a warning counts the overlaps. "
-           "`none`: no physics and no hulls."},
+           "hulls. `omi`: OMI_physics_body and OMI_physics_shape, for Godot. This format has no filters; a warning gives the "
+           "number of overlaps. `none`: no physics and no hulls."},
       [](auto& r) -> auto& { return r.physics; }));
   rows.push_back(with_member(
       {.name = "ue_collision",
@@ -61,8 +61,8 @@ void add_output_rows(std::vector<ParameterSpec>& rows) {
        .type = Type::kChoice,
        .choices = {"false", "true"},
        .doc =
-           "`true`: the file also contains the unbroken mesh with hulls, as a second scene named Intact, except in answers "
-           "with `delta`."},
+           "`true`: the file has a second scene named Intact, which contains the unbroken mesh with hulls. Answers with "
+           "`delta` omit it."},
       [](auto& r) -> auto& { return r.fracture.intact; });
   intact.get = [](const RequestParameters& r, const ParameterSpec& s) -> nlohmann::json {
     return s.choices.at(r.fracture.intact ? 1 : 0);
@@ -77,9 +77,9 @@ void add_exterior_row(std::vector<ParameterSpec>& rows) {
        .type = Type::kChoice,
        .choices = {"auto", "asset", "material"},
        .doc =
-           "Appearance of the outside. `auto`: surfaces without a material get the colour, roughness, metalness and opacity of "
-           "`material`. `asset`: all surfaces stay as they are. `material`: all fragments get the roughness, metalness and "
-           "opacity of `material`, but keep colours and textures."},
+           "Appearance of the outer surface. `auto`: surfaces without a material get the colour, roughness, metalness "
+           "and opacity of `material`. `asset`: all surfaces stay as they are. `material`: all fragments get the "
+           "roughness, metalness and opacity of `material`, but keep their own colours and textures."},
       [](auto& r) -> auto& { return r.exterior.choice; });
   exterior.matters = [](const RequestParameters& r) { return r.exterior.any(); };
   rows.push_back(std::move(exterior));
@@ -99,8 +99,8 @@ void add_interior_rows(std::vector<ParameterSpec>& rows) {
       {.name = "interior_material",
        .type = Type::kText,
        .doc =
-           "Name or index of a material in the mesh. The cut faces have its look, with textures that repeat on the mesh; of an "
-           "atlas or a palette, only the mean colour is used."},
+           "Name or index of a material in the mesh. The cut faces look like this material, including textures that "
+           "repeat on the mesh. If a texture is an atlas or a palette, only its mean colour is used."},
       [](auto& r) -> auto& { return r.interior.material; });
   reused.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
     r.interior = {.material = std::get<std::string>(value),
@@ -113,7 +113,7 @@ void add_interior_rows(std::vector<ParameterSpec>& rows) {
       {.name = "interior_name",
        .type = Type::kText,
        .doc =
-           "Name of the cut faces' material. Default: Interior, or Interior_ and the name of `interior_material`."},
+           "Name of the cut faces' material. Default: Interior, or Interior_ followed by the name of `interior_material`."},
       [](auto& r) -> auto& { return r.interior.name; }));
   ParameterSpec color = with_member(
       {.name = "interior_color",
@@ -132,15 +132,17 @@ void add_interior_rows(std::vector<ParameterSpec>& rows) {
        .low = 0,
        .high = 1,
        .doc =
-           "Share of the surface's colour in the cut faces' colour. Above 0, this colour replaces the texture of cut faces. Default: the value of "
-           "`material`, or 1; with `interior_color` or `interior_material`, 0."},
+           "How much of the surface's colour is blended into the colour of the cut faces. Above 0, the blended colour "
+           "replaces the texture of cut faces. Default: 0 with `interior_color` or `interior_material`; otherwise the "
+           "value that `material` sets, or 1 without `material`."},
       [](auto& r) -> auto& { return r.interior.mix; }));
   rows.push_back(with_member(
       {.name = "interior_shade",
        .type = Type::kNumber,
        .low = 0,
        .high = 10,
-       .doc = "Brightness, as a factor, of the surface's colour that `interior_mix` adds to the cut faces."},
+       .doc =
+           "Factor for the brightness of the surface's colour that `interior_mix` blends into the cut faces."},
       [](auto& r) -> auto& { return r.interior.shade; }));
   rows.push_back(with_member(
       {.name = "interior_opacity",
@@ -156,8 +158,9 @@ void add_interior_rows(std::vector<ParameterSpec>& rows) {
        .type = Type::kNumber,
        .low = 0,
        .high = 1,
-       .doc = "Fragments smaller than this fraction of the mean volume (that of the mesh "
-              "divided by `fragments` or `sites`) get white, opaque cut faces, like crushed ice."},
+       .doc =
+           "Fragments smaller than this fraction of the mean volume get white, opaque cut faces, like crushed ice. The "
+           "mean is the mesh's volume divided by `fragments` or `sites`."},
       [](auto& r) -> auto& { return r.interior.crushed; });
   crushed.matters = [](const RequestParameters& r) { return r.interior.crushed > 0; };
   rows.push_back(std::move(crushed));
@@ -179,8 +182,8 @@ void add_interior_rows(std::vector<ParameterSpec>& rows) {
       {.name = "interior_detail",
        .type = Type::kChoice,
        .doc =
-           "Normal map and roughness map of the cut faces, which repeat once per metre without `interior_uv_scale`. With "
-           "`delta=only`, they are left out."},
+           "Normal and roughness maps of the cut faces. They repeat once per metre unless `interior_uv_scale` is given. "
+           "Answers with `delta=only` do not contain them."},
       [](auto& r) -> auto& { return r.interior.detail; });
   for (const std::string_view name : kCutDetailNames) detail.choices.emplace_back(name);
   detail.matters = [](const RequestParameters& r) { return r.interior.detail != CutDetail::kNone; };
@@ -214,7 +217,7 @@ ParameterSpec format_row(const FormatSet& formats) {
   ParameterSpec spec{.name = "format",
                      .type = Type::kChoice,
                      .choices = formats.names(),
-                     .doc = "Format of the mesh, unless the Content-Type says it."};
+                     .doc = "Format of the mesh. It overrides the Content-Type."};
   spec.set = [](RequestParameters& r, const ParameterSpec& s, const ParameterValue& value) {
     r.format = format_from_extension(s.choices.at(std::get<std::uint64_t>(value)));
   };

@@ -15,8 +15,8 @@ ParameterSpec material_row() {
       .name = "material",
       .type = Type::kChoice,
       .doc =
-          "Preset for `pattern` and most other parameters: how the mesh breaks, how the cuts look, and the physics of the "
-          "fragments. Parameters that you give override it."};
+          "Preset for `pattern` and most other parameters, including the look of cuts and the physics. Parameters that "
+          "you give override it."};
   for (const MaterialPreset& preset : material_presets()) spec.choices.emplace_back(preset.name);
   spec.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
     const MaterialPreset& preset = material_presets()[std::get<std::uint64_t>(value)];
@@ -96,9 +96,9 @@ void add_general_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
            .min = 1,
            .max = max_sites,
            .doc =
-               "Number of cells that the pattern makes, multiplied by `cells_per_fragment`. It is approximate except with "
-               "`uniform`, `impact` and `clustered`. A cell makes a fragment in each separate part of the mesh. To set the "
-               "number of fragments, use `fragments`."},
+               "The pattern makes `sites` times `cells_per_fragment` cells. This number is exact only with `uniform`, "
+               "`impact` and `clustered`. A cell makes a fragment in each separate part of the mesh. To set the number "
+               "of fragments, use `fragments`."},
           [](auto& r) -> auto& { return r.fracture.sites; })));
   rows.push_back(for_patterns({}, with_member(
                                       {.name = "seed",
@@ -115,8 +115,8 @@ void add_general_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
            .min = 0,
            .max = 50,
            .doc =
-               "Number of relaxation passes. Each moves every site to the centre of its piece, so the pieces become more equal "
-               "in size."},
+               "Number of relaxation passes. Each pass moves every site to the centre of its piece, so the pieces become "
+               "more equal in size."},
           [](auto& r) -> auto& { return r.fracture.lloyd; })));
   rows.push_back(for_patterns(
       {"uniform", "impact", "clustered"},
@@ -124,8 +124,9 @@ void add_general_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
           {.name = "density_from",
            .type = Type::kText,
            .doc =
-               "Vertex colours (COLOR_0 to COLOR_7) or a material (name or index): pieces are smaller in white areas or near "
-               "the material's surface. In black areas, or near other surfaces, sites are 1/32 as dense."},
+               "Vertex colours (COLOR_0 to COLOR_7) or a material (name or index) that set the density of sites. Pieces "
+               "are smaller in white areas, or near surfaces with the material. In black areas, or near other surfaces, "
+               "sites are 1/32 as dense."},
           [](auto& r) -> auto& { return r.fracture.density_from; })));
   ParameterSpec stretch = for_patterns(
       {},
@@ -135,8 +136,8 @@ void add_general_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
            .low = 0.01,
            .high = 100,
            .doc =
-               "Length of the pieces along the grain, relative to their width: above 1 for fibres, below 1 for layers. Lengths "
-               "such as `radius` are measured across the grain."},
+               "Length of the pieces along the grain, relative to their width. Use more than 1 for fibres, and less than "
+               "1 for layers. Lengths such as `radius` are measured across the grain."},
           [](auto& r) -> auto& { return r.fracture.anisotropy.stretch; }));
   stretch.get = [get = stretch.get](const RequestParameters& r, const ParameterSpec& s) {
     return r.fracture.anisotropy.matrix ? nlohmann::json() : get(r, s);
@@ -157,9 +158,10 @@ void add_general_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites)
            .type = Type::kChoice,
            .choices = {"solid", "part", "node", "material"},
            .doc =
-               "Which bodies get their own grain, along their longest axis, if `grain` is missing. Patterns other than "
-               "`uniform`, `impact` and `clustered` use `solid`. `solid`: the whole mesh. `part`: each connected part. `node`: "
-               "all parts of a node. `material`: all parts with the same material on most of their surface."},
+               "If `grain` is missing, each of these bodies gets its own grain, along its longest axis. Patterns other "
+               "than `uniform`, `impact` and `clustered` use `solid`. `solid`: the whole mesh. `part`: each connected "
+               "part. `node`: all parts of a node. `material`: all parts with the same material on most of their "
+               "surface."},
           [](auto& r) -> auto& { return r.fracture.anisotropy.grain_of; }));
   grain_of.matters = [](const RequestParameters& r) {
     const Anisotropy& a = r.fracture.anisotropy;
@@ -223,8 +225,9 @@ void add_aggregate_rows(std::vector<ParameterSpec>& rows) {
            .low = 0,
            .high = kMostSpread,
            .doc =
-               "How uneven the volumes of ragged chunks are: the fraction larger than v is exp(-(v/s)^(1/size_spread)), with a "
-               "constant s (Weibull 1951). 0: equal volumes. 1: Grady and Kipp (1985). 2: Mott and Linfoot (1943)."},
+               "Spread of the volumes of ragged chunks. The fraction of chunks with a volume above v is "
+               "exp(-(v/s)^(1/size_spread)), where s is a constant (Weibull 1951). 0: equal volumes. 1: as in Grady and "
+               "Kipp (1985). 2: as in Mott and Linfoot (1943)."},
           [](auto& r) -> auto& {
             return r.idle_aggregation ? r.idle_aggregation->spread : r.fracture.aggregation.spread;
           })));

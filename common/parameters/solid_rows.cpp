@@ -20,17 +20,18 @@ std::vector<ParameterSpec> solid_parameter_rows() {
        .type = Type::kChoice,
        .choices = {"fill", "strict"},
        .doc =
-           "Treatment of a mesh that is not closed or not consistently oriented. `fill`: holes are closed and inverted "
-           "surfaces are flipped. `strict`: the mesh is refused."},
+           "Treatment of an open or inconsistently oriented mesh. `fill`: holes are closed and inverted surfaces are "
+           "flipped. `strict`: the mesh is refused."},
       [](auto& r) -> auto& { return r.solid.repair; }));
   ParameterSpec sheets = with_member(
       {.name = "sheets",
        .type = Type::kChoice,
        .choices = {"attach", "whole", "solid", "drop"},
        .doc =
-           "Treatment of sheets: surfaces that bound no volume (panes, leaves, decals). `attach`: sheets are cut by the solid's cells; each "
-           "fragment carries its share on a child node. `whole`: sheets stay whole, on separate nodes. `solid`: "
-           "sheets become slabs (`thickness`). `drop`: sheets are left out."},
+           "Treatment of sheets, which are surfaces that enclose no volume (panes, leaves, decals). `attach`: the "
+           "solid's cells cut the sheets, and each fragment carries its pieces of sheets on a child node. `whole`: "
+           "sheets stay whole, on separate nodes. `solid`: sheets become slabs (see `thickness`). `drop`: sheets are "
+           "left out."},
       [](auto& r) -> auto& { return r.solid.sheets; });
   // With a thickness, sheets are slabs anyway.
   sheets.matters = [](const RequestParameters& r) {
@@ -44,9 +45,9 @@ std::vector<ParameterSpec> solid_parameter_rows() {
        .low = 0,
        .high = 1000,
        .doc =
-           "Open sheets (panes, leaves) become slabs of this thickness, as with `sheets=solid`. Rooms, and pieces that only a "
-           "large lid closes (cloth, terrain), become walls. Other open pieces become solid if that gives more volume than a "
-           "slab, with a warning. 0: with `sheets=solid`, 1/500 of the mesh's diagonal."},
+           "Open sheets become slabs of this thickness, as with `sheets=solid`. Rooms, and pieces with a large opening "
+           "(cloth, terrain), become walls of this thickness. Other open pieces become solid, with a warning, if a slab "
+           "would have less volume. 0: with `sheets=solid`, slabs are 1/500 of the mesh's diagonal thick."},
       [](auto& r) -> auto& { return r.solid.thickness; }));
   ParameterSpec shell = with_member(
       {.name = "shell",
@@ -55,8 +56,8 @@ std::vector<ParameterSpec> solid_parameter_rows() {
        .low = 0,
        .high = 1000,
        .doc =
-           "Wall thickness. Closed parts that are more than twice as thick and have no cavity become hollow. Use it for a "
-           "vessel that is modelled as a solid. 0: use `shell_fraction`. An explicit 0 also turns off the walls of a material."},
+           "Wall thickness. Closed parts without a cavity become hollow if they are more than twice as thick as this. "
+           "Use it for vessels modelled as solids. 0: use `shell_fraction`. If you give 0, a material adds no walls."},
       [](auto& r) -> auto& { return r.hollow.thickness; });
   shell.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
     r.hollow = {.thickness = std::get<double>(value)};  // replaces the walls of a material
@@ -69,8 +70,8 @@ std::vector<ParameterSpec> solid_parameter_rows() {
        .low = 0,
        .high = 0.5,
        .doc =
-           "Wall thickness as a fraction of the longest side of each part's bounding box. Defaults: glass 0.02, ceramic 0.04, "
-           "terracotta 0.06, metal 0.015."},
+           "Wall thickness as a fraction of the longest side of each part's bounding box. Defaults with a material: glass "
+           "0.02, ceramic 0.04, terracotta 0.06, metal 0.015."},
       [](auto& r) -> auto& { return r.hollow.fraction; });
   fraction.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
     r.hollow.fraction = std::get<double>(value);
@@ -88,9 +89,9 @@ std::vector<ParameterSpec> solid_parameter_rows() {
        .low = 0,
        .high = 1,
        .doc =
-           "Only parts that can contain a ball of this diameter become hollow, not plates, rods and parts with walls. The "
-           "diameter is a fraction of the longest side of the part's box, at least 0.1. 0: all parts. Default: 0.2 with the "
-           "walls of a material, otherwise 0."},
+           "Only parts that can contain a ball of this diameter become hollow. This excludes plates, rods and parts "
+           "with walls. The value is this diameter as a fraction of the longest side of the part's box: 0, or at least "
+           "0.1. 0: all parts. Default: 0.2 if the material has walls, otherwise 0."},
       [](auto& r) -> auto& { return r.hollow.least_ball; });
   ball.check = [](const ParameterValue& value) -> std::optional<std::string> {
     const double given = std::get<double>(value);
@@ -105,8 +106,8 @@ std::vector<ParameterSpec> solid_parameter_rows() {
        .low = 0,
        .high = 0.01,
        .doc =
-           "Vertices closer than this fraction of the bounding box's diagonal are merged if that closes open edges. 0: only "
-           "vertices at the same position."},
+           "Vertices closer together than this fraction of the bounding box's diagonal are merged if that closes open "
+           "edges. 0: only vertices at the same position."},
       [](auto& r) -> auto& { return r.solid.weld_tolerance; }));
   add(with_member(
       {.name = "contact_gap",
@@ -115,27 +116,29 @@ std::vector<ParameterSpec> solid_parameter_rows() {
        .low = 0,
        .high = 1000,
        .doc =
-           "Parts (closed surfaces) that overlap or are within this distance are in contact, and their fragments are bonded. "
-           "Default: 0.001 times the longest side of the mesh's box; at most 0.1 times."},
+           "Parts (closed surfaces) are in contact if they overlap or are within this distance of each other. Their "
+           "fragments are bonded. Default: 0.001 times the longest side of the mesh's box. Values above 0.1 times this "
+           "side have no further effect."},
       [](auto& r) -> auto& { return r.solid.contact_gap; }));
   add(with_member(
       {.name = "unit",
        .type = Type::kChoice,
        .choices = {"file", "m", "cm", "mm", "inch", "km"},
        .doc =
-           "Unit of the mesh's coordinates. `file`: the unit of the file or its format, otherwise metres."},
+           "Unit of the mesh's coordinates. `file`: the unit of the file or its format, or metres if neither has one."},
       [](auto& r) -> auto& { return r.frame.unit; }));
   add(with_member(
       {.name = "up",
        .type = Type::kChoice,
        .choices = {"file", "y", "z"},
-       .doc = "Axis of the mesh that points up. `file`: the axis of the file or its format, otherwise y."},
+       .doc =
+           "Axis of the mesh that points up. `file`: the axis of the file or its format, or y if neither has one."},
       [](auto& r) -> auto& { return r.frame.up; }));
   add(with_member(
       {.name = "nodes",
        .type = Type::kNames,
        .doc =
-           "Break only these nodes and all nodes below them (comma-separated names, patterns such as `Wall_*`, or indices). "
+           "Break only these nodes (comma-separated names, patterns such as `Wall_*`, or indices) and all nodes below them. "
            "Other nodes stay whole."},
       [](auto& r) -> auto& { return r.parts.nodes; }));
   add(with_member(
@@ -150,9 +153,9 @@ std::vector<ParameterSpec> solid_parameter_rows() {
        .type = Type::kChoice,
        .choices = {"hulls", "geometry"},
        .doc =
-           "Treatment of nodes named as levels of detail or collision geometry. `hulls`: of levels of detail, only "
-           "`Crate_LOD0` is broken. Collision geometry (`UCX_Crate_00`, `Crate-col`) becomes colliders of the unbroken mesh "
-           "(`intact=true`). `geometry`: all nodes are broken."},
+           "Treatment of nodes whose names mark them as levels of detail or collision geometry. `hulls`: if the mesh "
+           "has a node `Crate_LOD0`, levels such as `Crate_LOD1` are left out. Collision geometry (`UCX_Crate_00`, "
+           "`Crate-col`) becomes colliders of the unbroken mesh (`intact=true`). `geometry`: all nodes are broken."},
       [](auto& r) -> auto& { return r.proxies; });
   proxies.matters = [](const RequestParameters& r) { return r.proxies != Proxies::kHulls; };
   add(std::move(proxies));

@@ -34,10 +34,11 @@ ParameterSpec fragments_row(std::uint32_t max_sites) {
        .min = 0,
        .max = max_sites,
        .doc =
-           "Number of fragments. If the result differs by more than a tenth, a warning says why. Parts that touch nothing "
-           "share the fragments by volume, at least one each; parts near `impacts` get theirs by distance. Without `sites`, "
-           "the pattern makes as many cells as are needed. 0: `sites` determines the number. Not with `levels` or "
-           "`dual=barycenter`."},
+           "Number of fragments. If the result differs by more than a tenth, a warning says why. The fragments are "
+           "divided by volume among the parts that touch no other part; each gets at least one. Parts closer to "
+           "`impacts` get more. "
+           "Without `sites`, the pattern makes as many cells as needed. 0: `sites` determines the number. Not with "
+           "`levels` or `dual=barycenter`."},
       [](auto& r) -> auto& { return r.fracture.size.fragments; });
   spec.decides = Decides::kSites;  // patterns that divide the box make as many cells as this number requires
   spec.matters = [](const RequestParameters& r) { return r.fracture.size.fragments > 0; };
@@ -50,9 +51,9 @@ ParameterSpec parts_row() {
        .type = Type::kChoice,
        .choices = {"together", "apart"},
        .doc =
-           "How parts that overlap or touch become fragments. `together`: their pieces in the same cell are one fragment. A "
-           "part too small to be a fragment joins the part with which it has the largest contact. `apart`: every fragment "
-           "belongs to one part."},
+           "How parts that overlap or touch become fragments. `together`: their pieces in the same cell form one "
+           "fragment. A part too small to be a fragment joins the part with which it has the largest contact. `apart`: "
+           "every fragment belongs to one part."},
       [](auto& r) -> auto& { return r.fracture.parts; });
   spec.matters = [](const RequestParameters& r) { return r.fracture.parts != Parts::kTogether; };
   return spec;
@@ -64,10 +65,10 @@ ParameterSpec instances_row() {
        .type = Type::kChoice,
        .choices = {"keep", "separate"},
        .doc =
-           "How nodes of a glTF file that place the same mesh (by rotation, translation and uniform scale) are broken. `keep`: "
-           "an instance no larger than the mean fragment stays whole unless it is joined to other parts, and the answer "
-           "contains the mesh once. `separate`: instances are treated like other parts. "
-           "`parts=apart`, `pivot=source` and `dual=barycenter` do the same."},
+           "How to break instances: nodes of a glTF file that share a mesh and differ only by rotation, translation and "
+           "uniform scale. `keep`: an instance no larger than the mean fragment stays whole unless it is joined to "
+           "other parts. Whole instances share one copy of their mesh in the answer. `separate`: instances are treated "
+           "like other parts. `parts=apart`, `pivot=source` and `dual=barycenter` also have this effect."},
       [](auto& r) -> auto& { return r.fracture.instances; });
   spec.matters = [](const RequestParameters& r) { return r.fracture.instances != InstanceUse::kKeep; };
   return spec;
@@ -84,8 +85,8 @@ void add_size_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites) {
   };
   size(
       "min_volume", 1e18, "m³",
-      "Smaller fragments are merged with the neighbour that shares the largest area. The largest of `min_volume`, "
-      "`min_fraction` and `min_of_mean` applies.",
+      "A fragment smaller than this is merged with the neighbour that shares the largest area with it. The largest of "
+      "`min_volume`, `min_fraction` and `min_of_mean` applies.",
       [](auto& r) -> auto& { return r.fracture.size.min_volume; });
   size(
       "min_fraction", 1, "", "Like `min_volume`, but as a fraction of the solid's volume.",
@@ -93,7 +94,7 @@ void add_size_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites) {
   size(
       "min_of_mean", 1, "",
       "Like `min_volume`, but as a fraction of the fragments' mean volume, to avoid crumbs. Near a hit, the limit is a "
-      "hundredth of it. Default with a `material`: 0.002.",
+      "hundredth of this value. Default with a `material`: 0.002.",
       [](auto& r) -> auto& { return r.fracture.size.min_of_mean; });
   // With a material, 0 differs from the value that the material sets.
   rows.back().matters = [](const RequestParameters& r) {
@@ -101,8 +102,8 @@ void add_size_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites) {
   };
   size(
       "max_volume", 1e18, "m³",
-      "A cell that contains a larger piece gets more sites, which divide the piece. 0: no limit. Not with `radial`, `grid`, "
-      "`brick` or `slice`.",
+      "If a cell contains a piece larger than this, the cell gets more sites, which divide the piece. 0: no limit. Not "
+      "with `radial`, `grid`, `brick` or `slice`.",
       [](auto& r) -> auto& { return r.fracture.max_volume; });
   rows.back().decides = Decides::kSites;
   rows.push_back(with_member(
@@ -119,7 +120,7 @@ void add_size_rows(std::vector<ParameterSpec>& rows, std::uint32_t max_sites) {
        .min = 0,
        .max = 1'000'000'000,
        .doc =
-           "The smallest fragments are merged until all together have at most this many triangles. 0: no limit."},
+           "The smallest fragments are merged until all fragments together have at most this many triangles. 0: no limit."},
       [](auto& r) -> auto& { return r.fracture.size.max_triangles; }));
   rows.back().matters = [](const RequestParameters& r) { return r.fracture.size.max_triangles > 0; };
 }
@@ -132,7 +133,7 @@ ParameterSpec levels_row(std::uint32_t max_sites) {
       .max = max_sites,
       .doc =
           "Number of pieces in each of up to eight levels of a hierarchy, coarsest first. The last number replaces `sites`. "
-          "The pieces of other levels are clusters of fragments."};
+          "The pieces of the coarser levels are clusters of fragments."};
   spec.patterns = patterns_that(&PatternTraits::counted);
   spec.check = [](const ParameterValue& value) -> std::optional<std::string> {
     const auto& levels = std::get<std::vector<std::uint64_t>>(value);
@@ -183,7 +184,8 @@ void add_keep_rows(std::vector<ParameterSpec>& rows) {
        .low = -kFarPlace,
        .high = kFarPlace,
        .doc =
-           "Centre of a sphere in which nothing is cut. The sphere is a cut of 92 flat facets. Requires `keep_radius`."},
+           "Centre of a sphere in which nothing is cut. Its surface becomes a cut with 92 flat facets. Requires "
+           "`keep_radius`."},
       [](auto& r) -> auto& { return r.keep_center; }));
   rows.push_back(with_member(
       {.name = "keep_radius",
@@ -191,12 +193,12 @@ void add_keep_rows(std::vector<ParameterSpec>& rows) {
        .unit = "m",
        .low = kLeastLength,
        .high = kFar,
-       .doc = "Radius of the sphere around `keep_center` in which nothing is cut."},
+       .doc = "Radius of the sphere around `keep_center`."},
       [](auto& r) -> auto& { return r.keep_radius; }));
   ParameterSpec box = box_row(
       "keep_box",
-      "Lowest and highest corners of a box in which nothing is cut, instead of `keep_center` and `keep_radius`. Its sides are "
-      "flat cuts.");
+      "Lowest and highest corners of a box in which nothing is cut, instead of a sphere. The sides of the box are flat "
+      "cuts.");
   box.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
     const auto& corners = std::get<std::vector<Vec3d>>(value);
     r.fracture.keep = Region{.shape = Region::Shape::kBox, .box = {corners[0], corners[1]}};
@@ -222,7 +224,7 @@ void add_anchor_rows(std::vector<ParameterSpec>& rows) {
           "`0,0,0;0,1,0` is the ground at height 0."};
   plane.check = [](const ParameterValue& value) -> std::optional<std::string> {
     if (length(std::get<std::vector<Vec3d>>(value)[1]) > 1e-9) return std::nullopt;
-    return "have a normal that is not zero";
+    return "have a normal other than 0,0,0";
   };
   plane.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
     const auto& given = std::get<std::vector<Vec3d>>(value);
@@ -233,8 +235,8 @@ void add_anchor_rows(std::vector<ParameterSpec>& rows) {
     return vectors({r.fracture.anchors.planes[0].point, r.fracture.anchors.planes[0].normal});
   };
   rows.push_back(std::move(plane));
-  ParameterSpec box =
-      box_row("anchor_box", "Lowest and highest corners of a box. Fragments that overlap it are anchored.");
+  ParameterSpec box = box_row(
+      "anchor_box", "Lowest and highest corners of a box. Fragments that overlap the box are anchored.");
   box.set = [](RequestParameters& r, const ParameterSpec&, const ParameterValue& value) {
     const auto& corners = std::get<std::vector<Vec3d>>(value);
     r.fracture.anchors.boxes = {{corners[0], corners[1]}};
@@ -281,8 +283,8 @@ void add_again_rows(std::vector<ParameterSpec>& rows) {
        .min = 0,
        .max = kMaxSeed,
        .doc =
-           "ID of a fragment to break again, from the answer to the same request without `fragment`. The new answer contains "
-           "only its pieces."},
+           "ID of a fragment to break again, from the answer to the same request without `fragment`. The new answer "
+           "contains only the pieces of this fragment."},
       [](auto& r) -> auto& { return r.fragment; }));
   rows.push_back(with_member(
       {.name = "fragment_sites",
@@ -314,7 +316,7 @@ std::vector<ParameterSpec> structure_parameter_rows(std::uint32_t max_sites) {
 }
 
 void drop_aggregation(RequestParameters& r) {
-  // As is_barycentric() says, but hits may be incomplete.
+  // Like is_barycentric(), but hits may be incomplete.
   const bool whole = !r.local_point.empty() && r.fracture.rest == LocalRest::kWhole;
   if (r.fracture.dual != Dual::kBarycenter || whole || r.idle_aggregation) return;
   r.idle_aggregation = std::exchange(r.fracture.aggregation, {});
@@ -327,9 +329,8 @@ std::optional<Error> complete_structure(RequestParameters& r) {
   if (r.keep_center.has_value() != r.keep_radius.has_value())
     return bad_parameter(
         r.keep_center ? "keep_radius" : "keep_center",
-        r.keep_center
-            ? "'keep_radius' is missing. Give it with 'keep_center': the radius of the kept sphere, in metres."
-            : "'keep_center' is missing. Give it with 'keep_radius': the centre of the kept sphere, in metres.");
+        r.keep_center ? "'keep_center' requires 'keep_radius': the radius of the kept sphere, in metres."
+                      : "'keep_radius' requires 'keep_center': the centre of the kept sphere, in metres.");
   if (r.keep_center && f.keep)
     return bad_parameter(
         "keep_box",

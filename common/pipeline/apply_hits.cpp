@@ -390,7 +390,7 @@ Expected<void> apply_hits(const Solid& solid, const FractureParameters& paramete
     if (all.has_cells && !all.cuts)
       remarks.warn(
           "Hit " + grouped(broken.hits + 1) +
-          " cuts nothing, because each fragment there lies in one of its cells, or in the region to keep. "
+          " cuts nothing, because each fragment in its reach lies in a single cell of the hit, or in the region to keep. "
           "Give a larger 'local_sites', or move 'local_point'.");
     broken.notes.remarks.add(remarks);
   }

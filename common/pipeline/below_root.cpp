@@ -79,8 +79,8 @@ Expected<FractureParameters> below_root(FractureParameters parameters, const Vec
   if (shift.too_far())
     return fail(ErrorCode::kBadParameter,
                 std::string("A place in '") + shift.too_far() + "' is more than " +
-                    short_number(kFarBelowRoot) + " m from the mesh's root, which is at " + to_text(offset) +
-                    ". Give places in metres, with y up and with the origin of the file.",
+                    short_number(kFarBelowRoot) + " m from the mesh's root node, which is at " +
+                    to_text(offset) + ". Give places in metres, with y up, measured from the file's origin.",
                 shift.too_far());
   return parameters;
 }

@@ -40,7 +40,7 @@ std::string few_cells(std::uint32_t asked, std::uint64_t pieces, const FractureP
   if (p.sites < asked)
     return "'sites' is " + grouped(p.sites) + ". Raise 'sites' to at least " + grouped(asked) +
            ", or leave it out.";
-  return "the pattern cuts the mesh into " + came + ". Give 'sites' above " + grouped(p.sites) +
+  return "the pattern cuts the mesh into " + came + ". Set 'sites' to more than " + grouped(p.sites) +
          (instances ? ", or use instances=separate." : ".");
 }
 

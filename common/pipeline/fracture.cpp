@@ -164,7 +164,7 @@ Expected<CutCells> cut_cells(const Solid& solid, const Diagram& diagram, const F
     if (diagram.map)
       return fail(
           ErrorCode::kBadParameter,
-          "dual=barycenter does not work with stretched or turned cells: leave out 'stretch', slices of several families, or bricks.",
+          "dual=barycenter does not work with stretched or rotated cells: leave out 'stretch', slices of several families, or bricks.",
           "dual");
     cut.barycentric =
         fracture_barycentric(solid, voronoi, parameters.pivot, parameters.drop_above, execution);
@@ -199,10 +199,11 @@ Expected<CutCells> cut_cells(const Solid& solid, const Diagram& diagram, const F
   }
   execution.poll();
   if (cut.set.fragments.empty())
-    return fail(ErrorCode::kNoFragments,
-                cut.barycentric.dropped > 0
-                    ? "'drop_above' removes all pieces, because they are larger. Raise 'drop_above'."
-                    : "No piece has a volume.");
+    return fail(
+        ErrorCode::kNoFragments,
+        cut.barycentric.dropped > 0
+            ? "'drop_above' removes all pieces, because all are larger than this limit. Raise 'drop_above'."
+            : "No piece has a volume.");
   carry_sheets(solid, voronoi, seen.seen().box, cut.set, execution);
   return cut;
 }

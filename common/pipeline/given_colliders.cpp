@@ -100,8 +100,8 @@ void use_given_hulls(const Solid& solid, double most_excess, IntactSolid& intact
   }
   if (!unused.empty())
     intact.warnings.push_back("Collision geometry such as " + unused +
-                              " is flat or bent, so it is not used. The unbroken mesh has hulls made by the "
-                              "server instead. To use the geometry, give it convex pieces.");
+                              " is flat or not convex, so it is not used. The unbroken mesh has computed "
+                              "hulls instead. To use this geometry, build it from convex pieces.");
 }
 
 }  // namespace fracture

@@ -117,11 +117,11 @@ std::vector<std::uint32_t> group_sites(const std::vector<Vec3d>& points, const V
 /// Adds a remark about sites of a hit that did not fit near it.
 void add_remark(const Solid& solid, const LocalImpact& impact, std::size_t hit, std::size_t missing,
                 std::size_t asked, Remarks& remarks, const Execution& execution) {
-  const std::string where = " in the solid within " + short_number(impact.radius) + " m of it";
+  const std::string where = " in the solid within " + short_number(impact.radius) + " m of the hit";
   if (missing == asked) {
     if (const auto far = far_place(solid, impact.point, impact.radius, "local_point", execution))
       remarks.warn("Hit " + grouped(hit) + " breaks nothing off, because " + far->place + " is " +
-                   short_number(far->distance) + " m from the mesh and its 'local_radius' is " +
+                   short_number(far->distance) + " m from the mesh, but 'local_radius' is only " +
                    short_number(impact.radius) + " m. " + far->correction);
     else
       remarks.warn("Hit " + grouped(hit) + " breaks nothing off, because its sites do not fit" + where +
@@ -213,11 +213,12 @@ class SitesOfHit {
 void add_remark_on_region(std::size_t hit, bool is_all, Remarks& remarks) {
   if (is_all)
     remarks.warn("Hit " + grouped(hit) +
-                 " breaks nothing off, because all that it reaches is in the region to keep. Move "
+                 " breaks nothing off, because everything it reaches is in the region to keep. Move "
                  "'local_point' out of the region, or make the region smaller.");
   else
-    remarks.note("Hit " + grouped(hit) +
-                 " reaches into the region to keep, which stays whole. Its pieces lie outside the region.");
+    remarks.note(
+        "Hit " + grouped(hit) +
+        " reaches into the region to keep, which stays whole. The pieces of the hit lie outside the region.");
 }
 
 /// The box of the images of a box's corners.

@@ -71,15 +71,15 @@ std::string more_fragments(std::uint32_t asked, bool together, bool instances, c
            (!together   ? ","
             : instances ? ", instances or groups of parts that touch each other,"
                         : ", or groups of parts that touch each other,") +
-           " and each is at least one fragment." + at_least +
+           " and each becomes at least one fragment." + at_least +
            (together ? ", or raise 'contact_gap' to the distance between parts."
                      : ", or use parts=together.");
-  return "the remaining ones touch nothing that they could be merged with." + at_least +
+  return "the remaining pieces have no neighbours to merge with." + at_least +
          ", or repair the mesh so that " + (parts > 1 ? "its parts are joined." : "they touch.");
 }
 
-/// Explains the number of fragments if it is off by more than a tenth. `instances`: whether some may stay whole. `kept_share`: of
-/// the kept region.
+/// Explains the number of fragments if it is off by more than a tenth. `instances`: whether some may stay whole. `kept_share`: the
+/// kept region's share of the volume.
 void report_fragments(std::uint32_t asked, const FractureParameters& p, bool instances, double kept_share,
                       const FragmentSet& set, Remarks& remarks) {
   const std::size_t made = set.fragments.size();
@@ -106,10 +106,14 @@ std::string why_larger(const FractureParameters& p, const SplitFigures& split, b
   if (split.too_large > 0)
     return "dividing it further would take too many passes or sites. Use a larger 'max_volume'.";
   if (is_barycentric(p))
-    return "this limit divides Voronoi cells, and the hulls of dual=barycenter can be larger. Use a smaller "
+    return "this limit divides Voronoi cells, but the hulls of dual=barycenter can be larger. Use a smaller "
            "'max_volume', or leave out large fragments with 'drop_above'.";
-  if (p.size.any())
-    return "pieces were merged to meet " + names_of(p.size) + ". Change this, or use a larger 'max_volume'.";
+  if (p.size.any()) {
+    const std::string names = names_of(p.size);
+    return "pieces were merged to meet " + names + ". Change " +
+           (names.find(',') != std::string::npos ? "these limits" : "this limit") +
+           ", or use a larger 'max_volume'.";
+  }
   return "its pieces were joined. Use a larger 'max_volume'.";
 }
 
@@ -130,7 +134,7 @@ void report_size(const FractureParameters& p, bool instances, const SplitFigures
     remarks.warn(
         "The answer has " + counted(set.fragments.size(), "fragment", "fragments") +
         ", although 'max_fragments' is " + grouped(p.size.max_fragments) +
-        ": the remaining ones touch nothing that they could be merged with. Allow more, or join the parts of "
+        ": the remaining fragments have no neighbours to merge with. Allow more, or join the parts of "
         "the mesh in a modelling tool.");
   if (united && p.size.max_triangles > 0 && triangles > p.size.max_triangles)
     remarks.warn("The fragments have " + counted(triangles, "triangle", "triangles") +
@@ -161,13 +165,13 @@ void report_kept(const FractureParameters& p, const CutCells& cut, Report& repor
   const std::string name = names_of(*p.keep);
   if (is_barycentric(p)) {
     report.remarks.warn("dual=barycenter keeps no region whole, so " + name +
-                        " had no effect. Leave out either this or 'dual'.");
+                        " had no effect. Leave out either the region or 'dual'.");
     return;
   }
   report.kept = {cut.kept, cut.kept_share};
   if (!(cut.kept_share > 0))
     report.remarks.warn("The region of " + name +
-                        " contains nothing of the mesh, so nothing is kept whole. Move it onto the mesh; its "
+                        " contains no part of the mesh, so nothing is kept whole. Move it onto the mesh; its "
                         "coordinates are in metres, with y up.");
   else if (cut.kept_share > kAllKept && (p.hits.empty() || p.rest == LocalRest::kFractured))
     report.remarks.warn("The region of " + name +
@@ -239,7 +243,7 @@ void report_barycenter(const FractureParameters& p, const CutCells& cut, Report&
   if (!p.hits.empty()) idle.min_volume = idle.min_fraction = 0;  // they merge the pieces of hits
   if (idle.any())
     report.remarks.warn("dual=barycenter: fragments are not merged by size, because they share no cuts, so " +
-                        names_of(idle) + " had no effect. Leave out either this or 'dual'.");
+                        names_of(idle) + " had no effect. Leave out either the size limits or 'dual'.");
   if (cut.grouped && p.hits.empty())  // hits always make groups
     report.remarks.note(
         "dual=barycenter: each cell is a separate fragment, even if the pattern keeps it together with other cells.");
@@ -250,17 +254,17 @@ void report_rest(const RestFigures& rest, Remarks& remarks) {
   if (rest.left > 0)
     remarks.warn(
         "The hulls of " + counted(rest.left, "pair", "pairs") + " of fragments overlap, the deepest by " +
-        short_number(rest.deepest) + " m, so engines push these fragments apart when they start. " +
+        short_number(rest.deepest) +
+        " m, so engines push these fragments apart when the simulation starts. " +
         (rest.filtered > 0
-             ? "32 collision systems cannot exclude so many pairs. Ask for fewer fragments, or join overlapping "
+             ? "The 32 collision systems of a file are too few to exclude so many pairs. Ask for fewer fragments, or join overlapping "
                "parts in a modelling tool."
-             : "The file's format has no collision filters. Use physics=khr, or turn collisions between "
-               "them off in the engine."));
+             : "The file's format has no collision filters. Use physics=khr, or turn off collisions "
+               "between them in the engine."));
   if (rest.least_share < kLeastShareAtContacts)
-    remarks.note(
-        "Some collision hulls keep only " + short_number(100 * rest.least_share) +
-        " % of their volume or a little more, because more pairs of fragments overlap than 32 collision systems can "
-        "exclude. Ask for fewer fragments, or join overlapping parts in a modelling tool.");
+    remarks.note("Some collision hulls were trimmed to as little as " + short_number(100 * rest.least_share) +
+                 " % of their volume, because more pairs of fragments overlap than 32 collision systems can "
+                 "exclude. Ask for fewer fragments, or join overlapping parts in a modelling tool.");
 }
 
 }  // namespace

@@ -158,18 +158,20 @@ std::vector<std::string> warnings_of_assigned(const Solid& solid, const Fracture
 FractureParameters parameters_of_entry(const FractureParameters& parameters, std::uint32_t entry) {
   FractureParameters p = parameters;
   p.assigned.clear();
-  if (entry == kNoIndex) return p;
-  const FractureParameters& breaks = *parameters.assigned[entry].breaks;
-  p.pattern = breaks.pattern;
-  p.lloyd = breaks.lloyd;
-  p.anisotropy = breaks.anisotropy;
-  p.aggregation = breaks.aggregation;
-  p.density_from = breaks.density_from;
-  p.roughness = breaks.roughness;
-  p.size.min_of_mean = breaks.size.min_of_mean;
-  if (const auto* points = std::get_if<PointsPattern>(&p.pattern))
-    p.sites = static_cast<std::uint32_t>(points->points.size());
+  if (entry != kNoIndex) take_entry(p, *parameters.assigned[entry].breaks);
   return p;
+}
+
+void take_entry(FractureParameters& parameters, const FractureParameters& breaks) {
+  parameters.pattern = breaks.pattern;
+  parameters.lloyd = breaks.lloyd;
+  parameters.anisotropy = breaks.anisotropy;
+  parameters.aggregation = breaks.aggregation;
+  parameters.density_from = breaks.density_from;
+  parameters.roughness = breaks.roughness;
+  parameters.size.min_of_mean = breaks.size.min_of_mean;
+  if (const auto* points = std::get_if<PointsPattern>(&parameters.pattern))
+    parameters.sites = static_cast<std::uint32_t>(points->points.size());
 }
 
 FractureParameters reported_parameters(const FractureParameters& parameters) {

@@ -18,7 +18,7 @@ namespace fracture {
 
 /// Parts of a solid that break with the same parameters.
 struct PartSet {
-  std::vector<std::uint32_t> parts{};  ///< numbers in the whole, ascending; empty: all parts
+  std::vector<std::uint32_t> parts{};  ///< part numbers in the whole mesh, ascending; empty: all parts
   std::optional<Solid> own{};          ///< these parts; not set if they are all parts
   FractureParameters parameters{};     ///< without assigned parts
 
@@ -74,6 +74,9 @@ void weigh_before_hits(const Solid& solid, const FractureParameters& parameters,
 /// Returns the parameters for the parts that an entry of `assigned` decides (kNoIndex: none), before sites and fragments are
 /// shared.
 FractureParameters parameters_of_entry(const FractureParameters& parameters, std::uint32_t entry);
+
+/// Replaces what an entry decides by AssignedParts::breaks, and the number of sites if these are points.
+void take_entry(FractureParameters& parameters, const FractureParameters& breaks);
 
 /// Returns the parameters for the report: those of the request, with the greatest roughness of any parts.
 FractureParameters reported_parameters(const FractureParameters& parameters);

@@ -109,7 +109,7 @@ Verdict judge_rest(const Rest& rest, HullFilters filters) {
   // Pairs that neither filters nor trimming keep apart are counted, and a warning says so (make_report.cpp).
   if (filters == HullFilters::kNone || f.left > 0 || f.deepest <= f.tolerance) return verdict;
   verdict.violations.push_back("bodies that may collide overlap by " + text_of(f.deepest) + " m, more than " +
-                               text_of(f.tolerance) + ", and no pair is counted");
+                               text_of(f.tolerance) + ", but the report counts no such pair");
   return verdict;
 }
 

@@ -13,7 +13,7 @@ namespace fracture {
 /// differentiable. |coordinates of p| < 2^52.
 Vec3d gradient_noise(const Vec3d& p, std::uint64_t seed);
 
-/// Bound of the absolute value of each noise. (The largest value is 1.0364, near the middle of a cell with
+/// Bound on the absolute value of each noise. (The largest value is 1.0364, near the middle of a cell with
 /// all gradients towards it.)
 inline constexpr double kNoiseBound = 1.04;
 /// Bound of the length of each noise's gradient. (Measured: 2.4 over 10^8 points and seeds; the margin covers

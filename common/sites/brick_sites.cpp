@@ -284,19 +284,20 @@ void add_remarks(const std::vector<Place>& places, double scale, SitePlan& plan)
   if (none > 0 && none == parts)
     plan.remarks.warn(
         (parts == 1 ? "The mesh is not a wall" : "None of the " + grouped(parts) + " parts is a wall") +
-        std::string(": less than 60 % of the surface faces along three perpendicular axes. So it breaks like "
-                    "masonry rubble, without courses of bricks. If you want bricks, give their size with "
-                    "'cell'; otherwise, choose another material or pattern."));
+        std::string(
+            ": less than 60 % of the surface is aligned with three perpendicular axes. So the mesh breaks like "
+            "masonry rubble, without courses of bricks. If you want bricks, give their size with "
+            "'cell'; otherwise, choose another material or pattern."));
   else if (none > 0)
     plan.remarks.note(grouped(none) + " of " + grouped(parts) + " parts " +
                       (none == 1 ? "is not a wall" : "are not walls") +
-                      " (less than 60 % of the surface faces along three perpendicular axes) and " +
+                      " (less than 60 % of the surface is aligned with three perpendicular axes) and " +
                       (none == 1 ? "becomes" : "become") + " masonry rubble instead of courses of bricks.");
   if (std::fabs(scale - 1) > 0.05)
     plan.remarks.note(
         "Bricks are " + short_number(std::nearbyint(100 * scale)) +
-        " % of the size of real ones, so that there are at least as many bricks as requested pieces, "
-        "and at most six times as many.");
+        " % of the size of real ones. This size gives at least one brick, and at most six, for each "
+        "requested piece.");
 }
 
 }  // namespace

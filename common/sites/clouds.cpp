@@ -138,8 +138,9 @@ void add_remark(std::size_t missing, std::size_t near, const ImpactPattern& patt
                     evenly = missing == 1 ? "; it is placed elsewhere instead."
                                           : "; they are spread evenly instead.";
   if (pattern.impacts.empty())
-    remarks.note("No impact point is set ('impacts'), so the mesh breaks around the centre of its box. " +
-                 no_place + "it" + evenly);
+    remarks.note(
+        "No impact point is set ('impacts'), so the mesh breaks around the centre of its bounding box. " +
+        no_place + "this centre" + evenly);
   else if (missing == near)
     remarks.warn(
         "The solid has no room for sites" + within +

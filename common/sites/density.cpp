@@ -18,8 +18,9 @@ constexpr double kRoundingOfDistances = 1e-12;  // relative to the largest coord
 /// candidates per wanted site on average.
 constexpr double kMostLooks = 64;
 
-tl::unexpected<Error> unknown(const std::string& from, const std::string& why,
-                              const std::string& advice = "Use another one, or leave 'density_from' out.") {
+tl::unexpected<Error> unknown(
+    const std::string& from, const std::string& why,
+    const std::string& advice = "Use another colour set or material, or leave 'density_from' out.") {
   return fail(ErrorCode::kBadParameter,
               "'density_from': " + why + " ('" + shortened(printable(from)) + "'). " + advice,
               "density_from");
@@ -86,7 +87,9 @@ Expected<Density> Density::make(const Solid& solid, const std::string& from, con
     }
     triangles.push_back(weighted);
   }
-  if (!(most > 0)) return unknown(from, "no part of the solid has that colour or material");
+  if (!(most > 0))
+    return unknown(
+        from, color ? "these vertex colours are black everywhere" : "no part of the solid has this material");
   for (Weighted& weighted : triangles) {
     pacer.step();
     for (double& weight : weighted.weight) weight = kLeast + (1 - kLeast) * (weight / most);

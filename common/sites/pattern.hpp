@@ -59,7 +59,7 @@ struct RadialPattern {
     kPoint,  ///< spokes in all directions
     /// An axis if one is given or the solid is a plate; otherwise a point. If the solid has several parts,
     /// and neither axis, spokes nor rings are given, each part is treated separately: a plate breaks around
-    /// an axis, a body around a point, and a rod across (sites/shapes.hpp).
+    /// an axis, a body around a point, and a rod crosswise (sites/shapes.hpp).
     kShape,
   };
   Around around = Around::kAxis;
@@ -134,7 +134,7 @@ inline constexpr PatternTraits kPatternTraits[] = {
     {"radial", "Rings and spokes, as in a pane or vessel that has been hit.", true, false},
     {"grid", "Boxes in rows.", true, false},
     {"brick",
-     "Masonry: lumps of bricks in courses along the axes of a wall; parts that are not walls become rubble.",
+     "Masonry: lumps of bricks in courses along the axes of a wall. Parts that are not walls become rubble.",
      true, false},
     {"slice", "One to three families of parallel planes.", true, false},
     {"clustered", "Groups of small pieces between large ones.", true, true},
@@ -210,7 +210,7 @@ struct SitePlan {
   double clearance = 0;
 };
 
-/// Returns "the limit is 100,000 (--max-sites of a server)".
+/// Returns "the limit is 100,000 (server option --max-sites)".
 std::string site_limit(std::uint64_t most);
 
 /// Number of cells per fragment: the number in Aggregation, reduced if kMaxPatternSites requires it. 1 if the

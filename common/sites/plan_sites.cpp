@@ -201,7 +201,7 @@ tl::unexpected<Error> too_many_sites(const Task& task, double sites, const char*
 }  // namespace sites_detail
 
 std::string site_limit(std::uint64_t most) {
-  return "the limit is " + grouped(most) + " (--max-sites of a server)";
+  return "the limit is " + grouped(most) + " (server option --max-sites)";
 }
 
 bool is_scattered(const SitePattern& pattern) {
@@ -247,8 +247,7 @@ Expected<SitePlan> plan_sites(const SeenSolid& solid, const SiteParameters& p, c
     return fail(ErrorCode::kTooComplex,
                 counted(p.sites, "fragment of ", "fragments of ") + std::to_string(cells) +
                     (p.sites == 1 ? " cells needs " : " cells each need ") + grouped(count) + " sites; " +
-                    site_limit(p.most_sites) +
-                    ". Ask for fewer fragments, or for fewer 'cells_per_fragment'.",
+                    site_limit(p.most_sites) + ". Ask for fewer fragments, or lower 'cells_per_fragment'.",
                 "cells_per_fragment");
   Task task{solid.seen(), solid, count, p.seed, execution, p.most_sites, p.anisotropy, cells};
   std::optional<sites_detail::Density> density;
@@ -262,9 +261,9 @@ Expected<SitePlan> plan_sites(const SeenSolid& solid, const SiteParameters& p, c
   if (!plan) return plan;
   if (is_scattered(p.pattern) && cells < p.aggregation.cells)
     plan->remarks.warn(
-        "'cells_per_fragment' is " + grouped(cells) + " here, not " + grouped(p.aggregation.cells) +
-        ": with so many cells for each fragment, there would be more than " + grouped(kMaxPatternSites) +
-        " sites. Fewer cells make plainer shapes. To get more, ask for fewer fragments.");
+        "'cells_per_fragment' is " + grouped(cells) + " here instead of " + grouped(p.aggregation.cells) +
+        ", because the higher value needs more than " + grouped(kMaxPatternSites) +
+        " sites. Fragments of fewer cells have plainer shapes. To get more cells in each, ask for fewer fragments.");
   plan->map = solid.map();
   if (!std::holds_alternative<PointsPattern>(p.pattern)) {
     const SiteLattice lattice = site_lattice(solid.seen().box);

@@ -91,8 +91,8 @@ Vec3d default_impact(const Solid& solid, Remarks& remarks, const Execution& exec
   Pacer pacer(execution);
   const Vec3d place = nearest_place(solid, middle, pacer);
   remarks.note(
-      "No impact point is set ('impacts'), and the centre of the mesh's box is empty, so the mesh breaks around "
-      "the point of its surface that is nearest to that centre: " +
+      "No impact point is set ('impacts'), and the centre of the mesh's bounding box is not inside the solid. So the "
+      "mesh breaks around the nearest point of its surface: " +
       written(place, root_of(solid)) + ".");
   return place;
 }
@@ -129,8 +129,8 @@ void check_points(const Solid& solid, const std::vector<Vec3d>& points, Remarks&
   sort_with_polls(execution, sorted.begin(), sorted.end(), lexicographic_less);
   const auto different = std::unique(sorted.begin(), sorted.end()) - sorted.begin();
   if (const std::size_t equal = points.size() - static_cast<std::size_t>(different); equal > 0)
-    remarks.warn(counted(equal, "of the 'points' is at the place of another one, so it makes",
-                         "of the 'points' are at the places of others, so they make") +
+    remarks.warn(counted(equal, "of the 'points' has the same position as another, so it makes",
+                         "of the 'points' have the same positions as others, so they make") +
                  " no pieces. Give each point once.");
   const double far = kFarFromSolid * solid.box.longest_side();
   const Vec3d* outlier = nullptr;
@@ -148,7 +148,7 @@ void check_points(const Solid& solid, const std::vector<Vec3d>& points, Remarks&
   remarks.warn((none_inside ? "None of the 'points' is inside the mesh, so it may stay in one piece."
                             : counted(outliers, "of the 'points' is", "of the 'points' are") +
                                   " far outside the mesh and may make no pieces.") +
-               (unit ? " They are in metres, with y up, but " + written(sample, root_of(solid)) +
+               (unit ? " 'points' are in metres, with y up, but " + written(sample, root_of(solid)) +
                            " looks like " + *unit + ": convert them to metres."
                      : " Move them into the mesh; coordinates are in metres, with y up."));
 }

@@ -53,8 +53,8 @@ PartShape shape_of(const Moments& moments, const Box& box) {
   return shape;
 }
 
-/// Whether most of the volume is plates parallel to the whole, such as the panes of a window. Bottles on a
-/// table are not.
+/// Whether most of the volume is plates parallel to the whole, such as the panes of a window. False for
+/// bottles on a table.
 bool are_one_plate(const Solid& solid, const std::vector<PartShape>& of_part, const Execution& execution) {
   constexpr double kWithinTenDegrees = 0.985;
   const std::optional<Vec3d> thin = thin_axis(solid, execution);

@@ -20,8 +20,8 @@ inline constexpr double kMostBefore = 0.5;
 
 /// Some programs (SketchUp, and sets of models made with it) write every triangle twice, once for each side. Such a
 /// piece is closed, but bounds no volume. This function looks at pieces (triangles connected across edges) of which
-/// nearly all triangles are doubled. It closes one side of each like any open surface. If that gives a body, the fills
-/// are small (kMostOpening), and the piece bounds nearly no volume before (kMostBefore), the piece is a vessel. Then
+/// nearly all triangles are doubled. It closes one side of each like any open surface. The piece is a
+/// vessel if that gives a body, the fills are small (kMostOpening), and the piece bounded almost no volume before (kMostBefore). Then
 /// the triangles of its inner side are removed, so that it is closed like a vessel with one side. Otherwise, both sides
 /// stay.
 ///

@@ -29,8 +29,8 @@ void offer_walls(const char* kind, const Enclosures& enclosures, const std::stri
   if (!(thickness > 0)) return;  // smaller than every float
   report.choices.push_back({.kind = kind,
                             .parameters = {{"thickness", thickness}},
-                            .text = found + " thickness=" + short_number(thickness) + " makes walls, " +
-                                    short_number(thickness) + " m thick, and keeps the space inside."});
+                            .text = found + " thickness=" + short_number(thickness) + " makes walls of " +
+                                    short_number(thickness) + " m instead and keeps the space inside."});
 }
 
 std::string first_at(const Enclosures& enclosures, const Surface& surface) {

@@ -77,8 +77,8 @@ void write_remarks(const EdgeFaults& faults, const SolidReport& report, std::siz
                  (split == 1 ? "at " : "the first at ") + place((*faults.first_nonmanifold)[0]) + ".");
   }
   const std::string of_thickness =
-      std::string(" of the ") +
-      (options.sheets == SheetsMode::kSolid ? "thickness " : "given 'thickness', ") +
+      std::string(" with ") +
+      (options.sheets == SheetsMode::kSolid ? "a thickness of " : "the given 'thickness', ") +
       short_number(thickness) + " m";
   if (const std::uint64_t sheets = report.sheets_thickened - report.rooms_walled; sheets > 0)
     remarks.note(counted(sheets, "open sheet became a slab", "open sheets became slabs") + of_thickness +
@@ -87,14 +87,14 @@ void write_remarks(const EdgeFaults& faults, const SolidReport& report, std::siz
     remarks.note(counted(report.rooms_walled, "closed piece faces", "closed pieces face") +
                  " inwards, like a room that is seen from inside. " +
                  (report.rooms_walled == 1 ? "It got walls" : "They got walls") + of_thickness +
-                 ", outside of the faces.");
+                 ", on the outside of the faces.");
   if (report.holes_filled > 0)
     remarks.note(counted(report.holes_filled, "hole was", "holes were") + " filled with " +
                  counted(report.fill_triangles, "triangle", "triangles") + " in the material of cut faces" +
                  (faults.first_open ? "; the first open edge was at " + place((*faults.first_open)[0]) : "") +
                  ".");
   if (layers > 1)
-    remarks.note("The boxes of the " + grouped(report.parts) +
+    remarks.note("Some bounding boxes of the " + grouped(report.parts) +
                  " parts overlap. The report lists the parts that touch or overlap.");
   const std::string them = report.shells_dropped == 1 ? "it" : "them";
   if (flat.triangles > 0 && report.sheets > 0)

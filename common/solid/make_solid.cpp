@@ -170,8 +170,8 @@ Expected<void> accept_reach(const Box& box) {
     if (reach >= kLeastReach) continue;
     const std::string name(1, "xyz"[axis]);
     return fail(ErrorCode::kNotFinite,
-                "The solid is too small: on the " + name + " axis its farthest coordinate is " +
-                    number(reach) + " m from 0, and the minimum is " + number(kLeastReach) +
+                "The solid is too small: along the " + name + " axis, it reaches only " + number(reach) +
+                    " m from 0, and the minimum is " + number(kLeastReach) +
                     " m. Give the unit of the file with 'unit', or scale the mesh up.",
                 {}, {{"axis", name}, {"reach", reach}});
   }
@@ -188,7 +188,7 @@ std::string why_no_volume(const Surface& surface, const Shells& shells, const So
            "). Use sheets=solid to give sheets a volume, or 'thickness' to choose how thick they become.";
   if (count_cancelling(surface, shells, execution) > 0)
     return "it is closed (" + pieces +
-           "), but its parts of opposite winding cancel each other, or its two sides lie on each other. Repair "
+           "), but parts of opposite winding cancel each other out, or its two sides coincide. Repair "
            "the mesh in a modelling tool, so that all its parts face outwards.";
   return "it is closed (" + pieces +
          "), but thinner than the precision of its coordinates. Make it thicker in a modelling tool.";

@@ -56,14 +56,13 @@ std::vector<std::uint8_t> find_open_sheets(const Surface& surface, const Shells&
     most = std::fmax(most, std::fabs(shell.volume) / slab);
   });
   if (bodies > 0)
-    report.remarks.warn(
-        "'thickness' made no slab from " + counted(bodies, "open piece", "open pieces") + " (" +
-        counted(triangles, "triangle", "triangles") + " when closed, the first at " +
-        place(surface.positions[surface.triangles[first][0]]) +
-        "). The holes were filled instead, and the inside is solid, because the closed body has " +
-        (bodies > 1 ? "up to " : "") + short_number(most) + " times the volume of a slab " +
-        short_number(thickness) +
-        " m thick. If it is a curved sheet, give it its thickness in a modelling tool.");
+    report.remarks.warn("'thickness' made no slab from " + counted(bodies, "open piece", "open pieces") +
+                        " (" + counted(triangles, "triangle", "triangles") + " when closed, the first at " +
+                        place(surface.positions[surface.triangles[first][0]]) +
+                        "). Instead, the holes were filled and the inside is solid, because this gives " +
+                        (bodies > 1 ? "up to " : "") + short_number(most) + " times the volume of a slab " +
+                        short_number(thickness) +
+                        " m thick. If you want a curved sheet, give it a thickness in a modelling tool.");
   return is_sheet;
 }
 

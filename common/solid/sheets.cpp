@@ -88,14 +88,12 @@ class Thickener {
   /// A warning about slabs that are thinner than requested; empty if there are none.
   std::string warning() const {
     if (thin_ == 0) return {};
-    return "'thickness' is not reached at folds: " +
+    return "'thickness' is not reached at sharp folds: " +
            counted(thin_, "triangle of an open sheet is", "triangles of open sheets are") +
-           " thinner than 0.9 times " + short_number(thickness_) + " m, and the thinnest, at " +
+           " thinner than 0.9 times " + short_number(thickness_) + " m. The thinnest, at " +
            place(thinnest_at_) + ", is only " + short_number(std::fmax(thinnest_, 0) * thickness_) +
-           " m thick, because corners of a sharp fold would have to move more than " +
-           short_number(kLongestMitre) +
-           " times the thickness. Round the fold off, or give the sheet "
-           "its thickness in a modelling tool.";
+           " m thick. Corners of such a fold would have to move by more than " + short_number(kLongestMitre) +
+           " times the thickness. Round the fold off, or give the sheet a thickness in a modelling tool.";
   }
   bool in_front(TriangleId t) const { return t < front_of_.size() && front_of_[t] != kNoTriangle; }
 

@@ -185,7 +185,7 @@ void check_parts(const Solid& s) {
       broken(name("part", p) + " states a wrong box");
     total += part.volume;
   }
-  if (total != s.report.volume) broken("the report states another volume than the parts");
+  if (total != s.report.volume) broken("the report's volume differs from the sum of the parts' volumes");
 }
 
 }  // namespace

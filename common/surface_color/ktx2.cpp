@@ -128,7 +128,7 @@ const char* objection_to(Bytes file, const Ktx2Head& head) {
   constexpr std::uint8_t kModeOfOneColor = 0x17, kModeMask = 0x1f;
   const auto block = last_block(file, head);
   return block && ((*block)[0] & kModeMask) != kModeOfOneColor
-             ? "is a KTX2 texture in UASTC whose smallest level is not of one colour"
+             ? "is a KTX2 texture in UASTC whose smallest level is not a single colour"
              : nullptr;
 }
 

@@ -135,7 +135,7 @@ std::optional<Pixels> pixels_of(const Image& image, const std::string& material,
   else if (!pixels)
     remarks.note("Cut faces take no colour from the image" + name + " of " + material + ", because it " +
                  (count ? "has too many pixels (" + grouped(*count) + ")" : why_unread(image.bytes)) +
-                 ". 'interior_color' gives them one.");
+                 ". Use 'interior_color' to give them one.");
   return pixels;
 }
 

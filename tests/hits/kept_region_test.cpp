@@ -162,7 +162,7 @@ TEST(HitsAtAKeptRegion, SayThatAllIsKept) {
   FractureParameters p = hit_near(below(2), LocalRest::kWhole);
   const Fractured made = fracture_mesh(kept_cube(), p);
   EXPECT_EQ(made.set.fragments.size(), 1u);
-  EXPECT_TRUE(warns(made.report, "all that it reaches is in the region to keep"));
+  EXPECT_TRUE(warns(made.report, "everything it reaches is in the region to keep"));
 }
 
 TEST(HitsAtAKeptRegion, DoNotMentionARegionOutOfReach) {

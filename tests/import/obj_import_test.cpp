@@ -245,12 +245,12 @@ TEST(ObjImport, ElementsWithoutASurfaceAreListed) {
            "l 1 2\np 3\nl 2 3 4\ncstype bezier\nsurf 0 1 0 1 1 2 3 4\nend\nf 1 2\ns off\nv 0 0 0 1 1\n");
   EXPECT_EQ(mesh.triangles.size(), 4u);
   EXPECT_THAT(mesh.dropped,
-              Contains(Dropped{"line", "2 of them, the first in line 9", "only faces have a surface"}));
-  EXPECT_THAT(mesh.dropped, Contains(Dropped{"point", "in line 10", "only faces have a surface"}));
-  EXPECT_THAT(mesh.dropped, Contains(Dropped{"face", "in line 15", "it has fewer than three corners"}));
+              Contains(Dropped{"line", "2 of them, the first on line 9", "only faces have a surface"}));
+  EXPECT_THAT(mesh.dropped, Contains(Dropped{"point", "on line 10", "only faces have a surface"}));
+  EXPECT_THAT(mesh.dropped, Contains(Dropped{"face", "on line 15", "it has fewer than three corners"}));
   ASSERT_EQ(mesh.dropped.size(), 5u);
   EXPECT_EQ(mesh.dropped[2].what, "free-form surface");
-  EXPECT_EQ(mesh.dropped[4].name, "in line 17");
+  EXPECT_EQ(mesh.dropped[4].name, "on line 17");
 }
 
 TEST(ObjImport, WrongNumbersOfTextureCoordinatesAreAWarning) {
@@ -258,7 +258,7 @@ TEST(ObjImport, WrongNumbersOfTextureCoordinatesAreAWarning) {
   EXPECT_EQ(mesh.triangles.size(), 3u);
   EXPECT_THAT(mesh.remarks.warnings,
               ElementsAre(HasSubstr("2 corners use a texture coordinate that the OBJ does not contain: "
-                                    "line 7 uses number 9, and there are 1.")));
+                                    "line 7 uses number 9, but the file has only 1.")));
 }
 
 struct Wrong {
@@ -320,8 +320,9 @@ TEST(ObjImport, LimitsHoldBeforeMemoryIsUsed) {
       import_text("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\nf 1 2 3 4\n", MeshFormat::kObj, few);
   ASSERT_FALSE(triangles);
   EXPECT_EQ(triangles.error().code, ErrorCode::kTooLarge);
-  EXPECT_THAT(triangles.error().detail,
-              HasSubstr("line 6, the OBJ has 4 triangles; the limit is 3 triangles (--max-triangles"));
+  EXPECT_THAT(
+      triangles.error().detail,
+      HasSubstr("line 6, the OBJ has 4 triangles; the limit is 3 triangles (server option --max-triangles"));
   ImportLimits small;
   small.max_decoded_bytes = 1000;
   std::string many;
@@ -330,7 +331,7 @@ TEST(ObjImport, LimitsHoldBeforeMemoryIsUsed) {
   ASSERT_FALSE(bytes);
   EXPECT_EQ(bytes.error().code, ErrorCode::kTooLarge);
   EXPECT_THAT(bytes.error().detail, HasSubstr("line 42"));
-  EXPECT_THAT(bytes.error().detail, HasSubstr("the limit is 1 kB (--max-decoded"));
+  EXPECT_THAT(bytes.error().detail, HasSubstr("the limit is 1 kB (server option --max-decoded"));
 }
 
 TEST(ObjImport, AFileCutOffAnywhereIsReadOrRefusedInWords) {

@@ -53,9 +53,9 @@ TEST(ObjMaterials, SlotsSurviveWithoutTheMtlAndTakeItsColoursWithIt) {
 TEST(ObjMaterials, AMissingLibraryIsNamed) {
   const std::string obj = "mtllib c.mtl\n" + kTriangle;
   EXPECT_THAT(read(obj + "usemtl red\nf 1 2 3\n", {}).remarks.warnings,
-              ElementsAre(HasSubstr("c.mtl was not given: materials are lost.")));
+              ElementsAre(HasSubstr("c.mtl was not given, so materials are missing.")));
   EXPECT_THAT(read("mtllib d.mtl e.mtl\n" + obj + "usemtl red\nf 1 2 3\n", {}).remarks.warnings,
-              ElementsAre(HasSubstr("d.mtl and 2 more libraries were not given: materials are lost.")));
+              ElementsAre(HasSubstr("d.mtl and 2 more libraries were not given, so materials are missing.")));
   EXPECT_THAT(read(obj + "f 1 2 3\n", {}).remarks.warnings, IsEmpty()) << "no face uses a material";
   EXPECT_THAT(read(obj + "usemtl red\nf 1 2 3\n", {{"c.mtl", "newmtl blue\n"}}).remarks.warnings,
               ElementsAre(HasSubstr("\"red\"")));

@@ -29,6 +29,31 @@ TEST(PictureHeads, AMillionFalseHeadsTakeLinearTime) {
   EXPECT_EQ(largest(bytes), 0u);
 }
 
+int polls_of(const std::string& bytes) {
+  int polls = 0;
+  Execution execution;
+  execution.watch = [&polls] { ++polls; };
+  EXPECT_EQ(largest_picture(std::as_bytes(std::span(bytes)), execution), 0u);
+  return polls;
+}
+
+// Two searches, each with a poll for each quarter of a mebibyte.
+TEST(PictureHeads, AFloodOfFirstBytesPollsLikeAnyOtherFile) {
+  constexpr std::size_t kSize = std::size_t{8} << 20;
+  for (const char flood : {'a', '\x89', '\xff', '\n', '\xd8'}) {
+    const int polls = polls_of(std::string(kSize, flood));
+    EXPECT_GE(polls, 2 * 32) << static_cast<int>(flood);
+    EXPECT_LE(polls, 2 * 33) << static_cast<int>(flood);
+  }
+}
+
+// A million segments are skipped in all. Each may be anywhere in the file, so it takes longer than a byte of a search.
+TEST(PictureHeads, SkippedSegmentsPollToo) {
+  std::string bytes;
+  for (int k = 0; k < 20'000; ++k) bytes += "\xff\xd8\xff\0\0\4"s;  // less than a quarter of a mebibyte
+  EXPECT_GE(polls_of(bytes), 100);
+}
+
 TEST(PictureHeads, WithoutAHeadThereIsNone) {
   EXPECT_EQ(largest(""), 0u);
   EXPECT_EQ(largest("v 0 0 0\n"), 0u);

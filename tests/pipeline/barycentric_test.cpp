@@ -75,7 +75,7 @@ TEST(Barycentric, SaysByNameWhichLimitsOfSizeItDoesNotKnow) {
   using Sentences = std::vector<std::string>;
   const auto only = [](const std::string& names) -> Sentences {
     return {"dual=barycenter: fragments are not merged by size, because they share no cuts, so " + names +
-            " had no effect. Leave out either this or 'dual'."};
+            " had no effect. Leave out either the size limits or 'dual'."};
   };
   p.size.min_volume = 1e-3;
   p.size.min_of_mean = 0.002;  // may be of a material, so another room names it
@@ -88,7 +88,7 @@ TEST(Barycentric, SaysByNameWhichLimitsOfSizeItDoesNotKnow) {
   p.max_volume = 0.02;
   const Sentences two = fracture_mesh(cube(), p).report.remarks.warnings;
   ASSERT_EQ(two.size(), 2u);
-  EXPECT_NE(two[0].find("because this limit divides Voronoi cells, and the hulls of dual=barycenter can be "
+  EXPECT_NE(two[0].find("because this limit divides Voronoi cells, but the hulls of dual=barycenter can be "
                         "larger. Use a smaller 'max_volume'"),
             std::string::npos)
       << two[0];

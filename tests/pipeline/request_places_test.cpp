@@ -104,7 +104,7 @@ TEST(RequestPlaces, PointsWithoutEffectAreNamed) {
   };
   EXPECT_TRUE(warnings({{0.1, 0, 0}, {-0.1, 0, 0}, {0.55, 0, 0}}).empty());
   const auto equal = warnings({{0.1, 0, 0}, {0.1, 0, 0}, {0.1, 0, 0}});
-  EXPECT_TRUE(any_has(equal, "2 of the 'points' are at the places of others"));
+  EXPECT_TRUE(any_has(equal, "2 of the 'points' have the same positions as others"));
   const auto outside = warnings({{10, 0, 0}, {20, 0, 0}});
   EXPECT_TRUE(any_has(outside, "None of the 'points' is inside the mesh"));
   EXPECT_TRUE(any_has(outside, "10,0,0 looks like centimetres"));

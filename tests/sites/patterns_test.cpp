@@ -140,7 +140,7 @@ TEST(ImpactPattern, AnEmptyMiddleThatNobodyHitIsANote) {
   ASSERT_EQ(plan.remarks.notes.size(), 1u);
   EXPECT_TRUE(plan.remarks.notes[0].starts_with("No impact point is set ('impacts')"))
       << plan.remarks.notes[0];
-  EXPECT_NE(plan.remarks.notes[0].find("for 40 of 40 sites within 0.5 m of it"), std::string::npos);
+  EXPECT_NE(plan.remarks.notes[0].find("for 40 of 40 sites within 0.5 m of this centre"), std::string::npos);
 }
 
 TEST(GridPattern, CountsAndCellsAreAsAsked) {
@@ -167,7 +167,7 @@ TEST(Patterns, TooManySitesAreATypedError) {
     ASSERT_FALSE(plan);
     EXPECT_EQ(plan.error().code, ErrorCode::kTooComplex);
     EXPECT_EQ(plan.error().pointer, parameter);
-    EXPECT_NE(plan.error().detail.find("the limit is 100,000 (--max-sites"), std::string::npos)
+    EXPECT_NE(plan.error().detail.find("the limit is 100,000 (server option --max-sites"), std::string::npos)
         << plan.error().detail;
   }
 }

@@ -164,7 +164,7 @@ TEST(Thickness, SaysThatACurvedSheetBecameABody) {
   EXPECT_EQ(solid->report.sheets_thickened, 0u);
   ASSERT_EQ(warnings_on_thickness(*solid), 1u);
   // 4/3 pi is 33 times a slab of 4 pi x 0.01. For polygons the factor is slightly smaller.
-  const std::string times = "has 3";
+  const std::string times = "gives 3";
   EXPECT_NE(solid->report.remarks.warnings[0].find(times), std::string::npos)
       << solid->report.remarks.warnings[0];
   EXPECT_NE(solid->report.remarks.warnings[0].find("modelling tool"), std::string::npos);

@@ -227,7 +227,7 @@ TEST(KeepRegion, ARegionThatHoldsNothingOrEverythingIsNamed) {
   p.sites = 30;
   p.keep = Region{.center = {3, 0, 0}, .radius = 1};
   const Fractured nothing = fracture_mesh(cube(), p);
-  EXPECT_TRUE(warns(nothing.report, "'keep_center' and 'keep_radius' contains nothing of the mesh"));
+  EXPECT_TRUE(warns(nothing.report, "'keep_center' and 'keep_radius' contains no part of the mesh"));
   EXPECT_EQ(nothing.report.kept.value().share, 0);
   EXPECT_GT(nothing.set.fragments.size(), 20u);
   p.keep = Region{.shape = Region::Shape::kBox, .box = {{-1, -1, -1}, {1, 1, 1}}};

@@ -79,7 +79,7 @@ TEST(LocalImpact, AHitBesideTheSolidBreaksNothingAndSaysSo) {
   for (std::size_t k = 0; k < after.fragments.size(); ++k)
     EXPECT_EQ(after.fragments[k].id, before.fragments[k].id);
   EXPECT_TRUE(warns(made.report, "Hit 1 breaks nothing off, because 0,"));
-  EXPECT_TRUE(warns(made.report, " m from the mesh and its 'local_radius' is "));
+  EXPECT_TRUE(warns(made.report, " m from the mesh, but 'local_radius' is only "));
 }
 
 TEST(LocalImpact, ASecondHitAtTheSamePlaceBreaksFurther) {

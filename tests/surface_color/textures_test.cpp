@@ -132,7 +132,7 @@ TEST(Textures, EncodingsThatAreNotReadSayWhy) {
   EXPECT_TRUE(
       contains(reason(file_of({.supercompression = 1, .model = 163, .levels = {Bytes(4)}})), "BasisLZ"));
   EXPECT_TRUE(contains(reason(file_of({.width = 8, .model = 166, .levels = {Bytes(32)}})), "1 x 1"));
-  EXPECT_TRUE(contains(reason(file_of({.model = 166, .levels = {Bytes(16)}})), "one colour"));
+  EXPECT_TRUE(contains(reason(file_of({.model = 166, .levels = {Bytes(16)}})), "single colour"));
   EXPECT_TRUE(contains(reason(file_of({.format = 146, .levels = {Bytes(16)}})), "format"));  // BC7
   EXPECT_TRUE(contains(reason({'R', 'I', 'F', 'F'}), "neither"));
 }
