@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "common/gltf/cut_detail.hpp"
 #include "common/pipeline/enough_sites.hpp"
@@ -9,6 +10,7 @@
 #include "common/rough/roughen.hpp"
 #include "server/service/estimate.hpp"
 #include "server/service/estimate_of_hits.hpp"
+#include "server/service/solid_figures.hpp"
 
 namespace fracture {
 namespace {
@@ -44,6 +46,10 @@ constexpr double kSecondsPerRoughTriangle = 4e-6, kBytesPerRoughTriangle = 600;
 constexpr double kSecondsPerDecodedByte = 7e-9, kSecondsPerByteRead = 2e-9,
                  kSecondsPerCodedByte = 1.5e-8;  // gzip; zstd takes half of it
 
+// Seconds for one evaluation of an estimate: in any case, for each entry of `assign`, part, hit, pair of hits, and part and hit.
+constexpr double kSecondsForNumbers = 1e-6, kSecondsPerEntry = 0.2e-6, kSecondsPerPart = 10e-9,
+                 kSecondsPerHit = 0.4e-6, kSecondsPerPairOfHits = 10e-9, kSecondsPerPartOfHit = 20e-9;
+
 ExpectedWork work(std::uint64_t mesh_bytes, std::uint64_t triangles, double sites, double passes,
                   double rough_triangles) {
   const auto read = static_cast<double>(mesh_bytes), clipped = static_cast<double>(triangles);
@@ -59,19 +65,33 @@ bool leaves_whole(const FractureParameters& parameters) {
   return !parameters.hits.empty() && parameters.rest == LocalRest::kWhole;
 }
 
+/// The largest value for the parts without an entry of `assigned` and for those of each entry. Copies the parameters only once.
+template <class Value>
+double most_of_entries(const FractureParameters& parameters, const Value& value) {
+  FractureParameters entry = parameters_of_entry(parameters, kNoIndex);
+  double most = value(entry);
+  for (const AssignedParts& assigned : parameters.assigned) {
+    entry.sites = parameters.sites;
+    take_entry(entry, *assigned.breaks);
+    most = std::fmax(most, value(entry));
+  }
+  return most;
+}
+
 /// The pieces that hits make, from number `first` on.
-double pieces_of_hits(const FractureParameters& parameters, const Solid* solid, const Selection& selection,
-                      std::size_t first) {
+double pieces_of_hits(const FractureParameters& parameters, const SolidFigures* figures,
+                      const Selection& selection, std::size_t first) {
   if (first >= parameters.hits.size()) return 0;
   const double cells = cells_per_fragment(parameters);
-  if (solid) {
+  if (figures) {
+    const Solid* const solid = &figures->solid();
     FractureParameters before = parameters;
     before.hits.clear();
     const double fragments = leaves_whole(parameters) ? static_cast<double>(solid->parts.size())
                              : parameters.size.fragments > 0
                                  ? parameters.size.fragments
                                  : expected_sites(before, solid, selection) / cells;
-    return cells * expected_of_hits(parameters, *solid, fragments, 0, first).fragments;
+    return cells * expected_of_hits(parameters, *figures, fragments, 0, first).fragments;
   }
   double sites = 0;
   for (std::size_t k = first; k < parameters.hits.size(); ++k) sites += cells * parameters.hits[k].sites;
@@ -83,13 +103,8 @@ double pieces_of_hits(const FractureParameters& parameters, const Solid* solid, 
 double expected_sites(const FractureParameters& parameters, const Solid* solid, const Selection& selection) {
   // The sites are shared among the materials, so the one with the most is a bound.
   if (!parameters.assigned.empty()) {
-    double most = expected_sites(parameters_of_entry(parameters, kNoIndex), solid, selection);
-    for (std::uint32_t k = 0; k < parameters.assigned.size(); ++k) {
-      FractureParameters entry = parameters_of_entry(parameters, k);
-      if (!std::holds_alternative<PointsPattern>(entry.pattern)) entry.sites = parameters.sites;
-      most = std::fmax(most, expected_sites(entry, solid, selection));
-    }
-    return most;
+    return most_of_entries(
+        parameters, [&](const FractureParameters& entry) { return expected_sites(entry, solid, selection); });
   }
   double sites = 1;  // of a solid that is whole until a hit breaks it
   if (!leaves_whole(parameters)) {
@@ -108,10 +123,8 @@ double expected_sites(const FractureParameters& parameters, const Solid* solid, 
 
 double expected_rough_triangles(const FractureParameters& parameters, double sites) {
   if (!parameters.assigned.empty()) {
-    double most = expected_rough_triangles(parameters_of_entry(parameters, kNoIndex), sites);
-    for (std::uint32_t k = 0; k < parameters.assigned.size(); ++k)
-      most = std::fmax(most, expected_rough_triangles(parameters_of_entry(parameters, k), sites));
-    return most;
+    return most_of_entries(
+        parameters, [&](const FractureParameters& entry) { return expected_rough_triangles(entry, sites); });
   }
   const Roughness& rough = parameters.roughness;
   if (!(rough.amplitude > 0) || is_barycentric(parameters)) return 0;
@@ -125,17 +138,19 @@ double expected_rough_triangles(const FractureParameters& parameters, double sit
 }
 
 ExpectedWork expected_work(const FractureParameters& parameters, std::uint64_t mesh_bytes, const Solid* solid,
-                           std::uint64_t triangles, const Selection& selection) {
+                           std::uint64_t triangles, const Selection& selection, const SolidFigures* figures) {
+  std::optional<SolidFigures> own;
+  if (solid && !figures) figures = &own.emplace(*solid);
   const double sites = expected_sites(parameters, solid, selection);
   if (solid) triangles = solid->triangles.size();
   if (parameters.intact) triangles *= 2;
   ExpectedWork expected = work(mesh_bytes, triangles, sites, leaves_whole(parameters) ? 0 : parameters.lloyd,
                                expected_rough_triangles(parameters, sites));
-  expected.seconds += kSecondsPerSite * pieces_of_hits(parameters, solid, selection, 0);
+  expected.seconds += kSecondsPerSite * pieces_of_hits(parameters, figures, selection, 0);
   if (solid && !solid->parts.empty()) {
     const double reading = kBytesPerRequest + kBytesPerMeshByte * static_cast<double>(mesh_bytes);
     expected.bytes =
-        static_cast<std::uint64_t>(reading + expected_working_bytes(parameters, *solid, selection));
+        static_cast<std::uint64_t>(reading + expected_working_bytes(parameters, *figures, selection));
   }
   return expected;
 }
@@ -151,10 +166,12 @@ double expected_further_seconds(const RequestParameters& asked, std::uint64_t me
 }
 
 ExpectedWork expected_hit_work(const FractureParameters& parameters, const Selection& selection,
-                               const Solid* solid) {
-  const ExpectedWork whole = expected_work(parameters, 0, solid, 0, selection);
+                               const Solid* solid, const SolidFigures* figures) {
+  std::optional<SolidFigures> own;
+  if (solid && !figures) figures = &own.emplace(*solid);
+  const ExpectedWork whole = expected_work(parameters, 0, solid, 0, selection, figures);
   const std::size_t fresh = selection.new_hits ? selection.new_hits->count : 0;
-  const double pieces = pieces_of_hits(parameters, solid, selection,
+  const double pieces = pieces_of_hits(parameters, figures, selection,
                                        parameters.hits.size() - std::min(fresh, parameters.hits.size()));
   const bool part = selection.new_hits && selection.new_hits->only_changed;
   const double seconds =
@@ -174,6 +191,16 @@ ExpectedWork expected_reading(std::uint64_t bytes) {
 
 ExpectedWork expected_coding(std::uint64_t plain_bytes) {
   return {kSecondsPerCodedByte * static_cast<double>(plain_bytes), 2 * plain_bytes};
+}
+
+double seconds_of_estimate(const FractureParameters& parameters, const Solid& solid, int evaluations) {
+  const auto entries = static_cast<double>(parameters.assigned.size()),
+             hits = static_cast<double>(parameters.hits.size()),
+             parts = static_cast<double>(solid.parts.size()),
+             contacts = solid.contacts ? static_cast<double>(solid.contacts->contacts.size()) : 0;
+  return evaluations *
+         (kSecondsForNumbers + kSecondsPerEntry * entries + kSecondsPerPart * (parts + contacts) +
+          hits * (kSecondsPerHit + kSecondsPerPairOfHits * hits + kSecondsPerPartOfHit * parts));
 }
 
 ExpectedWork expected_work(std::uint64_t mesh_bytes) { return work(mesh_bytes, 0, 0, 0, 0); }

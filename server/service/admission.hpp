@@ -9,6 +9,8 @@
 
 namespace fracture {
 
+class SolidFigures;
+
 struct ExpectedWork {
   /// Seconds on one thread of a reference machine. WorkerPool measures how far off that is, so only the
   /// proportions matter.
@@ -41,16 +43,28 @@ ExpectedWork expected_reading(std::uint64_t bytes);
 ExpectedWork expected_coding(std::uint64_t plain_bytes);
 
 /// Returns the work of a whole request. `mesh_bytes`: bytes that are still to be read and prepared; 0 if that is done and
-/// `solid` is given. `triangles`: the number of the solid's triangles, if it is known from an earlier request.
+/// `solid` is given. `triangles`: the number of the solid's triangles, if it is known from an earlier request. `figures`: of
+/// `solid`, if other estimates share them. Throws Interrupted, as their execution says.
 ExpectedWork expected_work(const FractureParameters& parameters, std::uint64_t mesh_bytes, const Solid* solid,
-                           std::uint64_t triangles = 0, const Selection& selection = {});
+                           std::uint64_t triangles = 0, const Selection& selection = {},
+                           const SolidFigures* figures = nullptr);
 /// Returns further seconds, for walls and detail maps. Walls (`shell`) are made when a mesh is prepared; `mesh_bytes` is 0 if
 /// that is done. The maps of `interior_detail` are made once in each process, for the first answer that uses them.
 double expected_further_seconds(const RequestParameters& asked, std::uint64_t mesh_bytes);
 /// Returns the work of only the new hits. Use it if the answer before them is kept (hits/delta.hpp).
 ExpectedWork expected_hit_work(const FractureParameters& parameters, const Selection& selection,
-                               const Solid* solid);
+                               const Solid* solid, const SolidFigures* figures = nullptr);
 /// Returns the work of only reading and preparing a mesh.
 ExpectedWork expected_work(std::uint64_t mesh_bytes);
+
+/// Estimates the processor time of an estimate, s, which looks at each pair of a part and a hit. `evaluations`: how often it determines
+/// the memory of a request.
+double seconds_of_estimate(const FractureParameters& parameters, const Solid& solid, int evaluations);
+/// Evaluations for a request that fits: fits(), expected_work() and expected_hit_work() with the same SolidFigures.
+inline constexpr int kEvaluationsIfItFits = 4;
+/// For estimate_document() and cannot_fit(), which search for the largest counts that fit.
+inline constexpr int kEvaluationsWithAdvice = 45;
+/// An io thread makes estimates that should take at most this long, s. Longer ones are made by the pool.
+inline constexpr double kEstimateInline = 0.1e-3;
 
 }  // namespace fracture

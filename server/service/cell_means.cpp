@@ -1,9 +1,6 @@
 #include "server/service/cell_means.hpp"
 
 #include <cmath>
-#include <vector>
-
-#include "common/solid/contact_graph.hpp"
 
 namespace fracture {
 namespace {
@@ -13,8 +10,6 @@ constexpr double kEdgesOfTriangles = 2.28;
 /// The mean integral of curvature of a cell of volume 1, by 4π. (The integral is 2π times the mean width of 1.458.) Then the mean surface
 /// of such a cell, 5.82, by 4: the integral of curvature of a box is π times the sum of its sides.
 constexpr double kCellsBySurface = 0.729, kCellsByWidth = 1.455;
-/// A part is much smaller than a cell if it has at most this share of its volume.
-constexpr double kLooseShare = 0.25;
 
 }  // namespace
 
@@ -36,32 +31,16 @@ SolidShape shape_of(const Solid& solid) {
   return shape;
 }
 
-double cells_meeting(const Vec3d& sides, double volume, double cell) {
-  const double width = std::cbrt(cell);
+double cells_meeting(const Vec3d& sides, double volume, const CellSize& cell) {
   const double surface = 2 * (sides.x * sides.y + sides.y * sides.z + sides.z * sides.x);
-  return 1 + volume / cell + kCellsBySurface * surface / (width * width) +
-         kCellsByWidth * (sides.x + sides.y + sides.z) / width;
+  return 1 + volume / cell.volume + kCellsBySurface * surface / (cell.width * cell.width) +
+         kCellsByWidth * (sides.x + sides.y + sides.z) / cell.width;
 }
 
-Vec3d filled_sides(const Part& part, const Vec3d& sides) {
+double fill_of(const Part& part) {
   const Vec3d box = part.box.size();
   const double whole = box.x * box.y * box.z;
-  return std::cbrt(whole > 0 ? std::fmin(1, part.volume / whole) : 1) * sides;
-}
-
-LooseParts loose_parts(const Solid& solid, double cell, bool are_apart) {
-  if (!solid.contacts && !are_apart) return {};
-  std::vector<char> touches(solid.parts.size(), 0);
-  if (!are_apart)
-    for (const Contact& contact : solid.contacts->contacts) touches[contact.a] = touches[contact.b] = 1;
-  LooseParts loose;
-  for (std::size_t p = 0; p < solid.parts.size(); ++p) {
-    const Part& part = solid.parts[p];
-    if (touches[p] || part.volume > kLooseShare * cell) continue;
-    ++loose.count;
-    loose.pieces += cells_meeting(filled_sides(part, part.box.size()), part.volume, cell);
-  }
-  return loose;
+  return std::cbrt(whole > 0 ? std::fmin(1, part.volume / whole) : 1);
 }
 
 double surface_of_stretched(double stretch) {

@@ -1,6 +1,8 @@
 // Means of random cells, and the figures of a solid, from which estimates follow.
 #pragma once
 
+#include <cmath>
+
 #include "common/solid/solid.hpp"
 
 namespace fracture {
@@ -25,23 +27,20 @@ struct SolidShape {
   /// m: of a wall with this volume and area.
   double thickness() const { return 2 * volume / area; }
 };
+/// Linear in the parts.
 SolidShape shape_of(const Solid& solid);
 
-/// How many random cells of the volume `cell` (m³) meet a convex body, on average: one, and further ones that follow from the means of a
-/// cell and of the body (Santaló 1976, III.15). `sides` (m): of a box with about the body's surface and width; `volume` (m³): of the body.
-double cells_meeting(const Vec3d& sides, double volume, double cell);
-
-/// Parts in contact with no other part, if they are much smaller than a cell of this volume (m³). None of them becomes part of another
-/// fragment.
-struct LooseParts {
-  double count = 0;
-  double pieces = 0;  ///< that random cells cut them into
+/// The volume of a cell, m³, and the side of a cube with that volume, m.
+struct CellSize {
+  explicit CellSize(double cell) : volume(cell), width(std::cbrt(cell)) {}
+  double volume, width;
 };
-/// `are_apart`: parts are loose although they are in contact. If contacts are not known, there are none. Linear in parts and contacts.
-LooseParts loose_parts(const Solid& solid, double cell, bool are_apart);
+/// How many random cells meet a convex body, on average: one, and further ones that follow from the means of a
+/// cell and of the body (Santaló 1976, III.15). `sides` (m): of a box with about the body's surface and width; `volume` (m³): of the body.
+double cells_meeting(const Vec3d& sides, double volume, const CellSize& cell);
 
-/// The sides of a part's box, m, shrunk so that they have the part's volume.
-Vec3d filled_sides(const Part& part, const Vec3d& sides);
+/// The factor that shrinks the sides of a part's box so that they have the part's volume.
+double fill_of(const Part& part);
 
 /// Surface of a box of volume 1 that is `stretch` times as long as wide, relative to a cube's.
 double surface_of_stretched(double stretch);

@@ -28,7 +28,8 @@ auto guarded(Work work) -> decltype(work()) {
   } catch (const Interrupted& interrupted) {
     return tl::unexpected<Error>(to_error(interrupted));
   } catch (const std::bad_alloc&) {
-    return fail(ErrorCode::kOutOfMemory, "There is not enough memory for this request now.");
+    return fail(ErrorCode::kOutOfMemory,
+                "The server does not have enough memory for this request at the moment.");
   } catch (const std::exception& e) {
     return fail(ErrorCode::kInternal, e.what());
   } catch (...) {
@@ -42,8 +43,8 @@ inline Error told_to_all(Error error, const Urgency& urgency) {
   if (error.code != ErrorCode::kOverShare || !urgency.is_of_several()) return error;
   error.code = ErrorCode::kOverloaded;
   error.detail =
-      "Another client is waiting for the same computation, so its memory counts towards that client's "
-      "share. That client's other computations are using too much memory now.";
+      "Another client is waiting for the same computation, whose memory counts towards that client's "
+      "share. That client's other computations are using too much memory at the moment.";
   return error;
 }
 
@@ -165,6 +166,7 @@ struct Dispatcher::Computation : std::enable_shared_from_this<Computation> {
   RequestKeys keys{};
   double cost = 0;                                ///< revised when the mesh is known
   std::uint64_t bytes = 0;                        ///< expected memory, set aside when its turn comes
+  bool is_provisional = false;                    ///< the cost was estimated without the mesh, which is known
   Priority origin = Priority::kBackground;        ///< class of the leader
   std::optional<ComputationAllowance> working{};  ///< empty: it waits for its turn, or for memory
   std::optional<BackgroundMemory::Id> in_background{};

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <utility>
 
-#include "common/hits/delta.hpp"
 #include "server/service/computation.hpp"
 #include "server/service/estimate.hpp"
+#include "server/service/solid_figures.hpp"
 
 namespace fracture {
 namespace {
@@ -62,35 +62,16 @@ std::optional<Error> Dispatcher::fracture(FractureRequest request, const Terms& 
   // the request leads a flight of its own.
   double cost = 0;
   std::uint64_t bytes = 0;
+  bool is_provisional = false;
   {
     const std::shared_ptr<const PreparedMesh> mesh = service_.find_mesh(keys);
-    const FractureParameters& fracture = request.parameters.fracture;
-    const Selection& selection = request.parameters.selection;
-    const Solid* solid = mesh ? &mesh->solid : nullptr;
-    if (solid)
-      if (auto error = cannot_fit(request.parameters, *solid, most_bytes())) {
-        reply(tl::unexpected<Error>(std::move(*error)));
-        return std::nullopt;
-      }
-    const std::uint64_t unread = mesh ? 0 : bytes_of(request);
-    ExpectedWork work = expected_work(fracture, unread, solid, request.triangles, selection);
-    if (selection.new_hits) {
-      const std::shared_ptr<const CutBase> kept = service_.find_diagram(keys);
-      const auto* const before = kept ? std::get_if<FracturedBase>(kept.get()) : nullptr;
-      const bool
-          continues =  // otherwise, the answer before the hits is only compared with the one after them
-          fracture.rest == LocalRest::kFractured || fracture.hits.size() > selection.new_hits->count;
-      if (before && before->broken.rest == fracture.rest)
-        work = expected_hit_work(fracture, selection, solid);
-      else if (!before && !continues) {
-        const ExpectedWork earlier = expected_work(before_hits(fracture, selection.new_hits->count), unread,
-                                                   solid, request.triangles, selection);
-        work.seconds += earlier.seconds;
-        work.bytes = std::max(work.bytes, earlier.bytes);
-      }
+    const Expected<ExpectedWork> work = work_of(request, keys, mesh.get(), is_provisional);
+    if (!work) {
+      reply(tl::unexpected<Error>(work.error()));
+      return std::nullopt;
     }
-    cost = work.seconds + expected_further_seconds(request.parameters, unread);
-    bytes = std::max(std::min(work.bytes, working_.most_at_once()), terms.least_bytes);
+    cost = work->seconds + expected_further_seconds(request.parameters, mesh ? 0 : bytes_of(request));
+    bytes = std::max(std::min(work->bytes, working_.most_at_once()), terms.least_bytes);
     std::optional<Error> overload;
     if (!results_.find(keys.result)) {
       overload = refuses(cost, terms);
@@ -130,6 +111,7 @@ std::optional<Error> Dispatcher::fracture(FractureRequest request, const Terms& 
       c->keys = std::move(keys);
       c->cost = cost;
       c->bytes = bytes;
+      c->is_provisional = is_provisional;
       c->origin = terms.priority;
       c->flight = seat.flight;
       flight.common.urgency.lead(pool_, terms.payer.turn(), terms.priority, [&] {
@@ -297,13 +279,20 @@ void Dispatcher::with_mesh(const Shared& c, const Outcome<PreparedMesh>& mesh, i
   c->answer.mesh_cache = mesh->cache;
   c->answer.timings.add(mesh->timings);
   c->mesh = mesh->value;
-  if (auto error = cannot_fit(c->request.parameters, c->mesh->solid, most_bytes()))
+  const Execution execution = c->execution(threads, c->flight->stop());
+  const SolidFigures figures(c->mesh->solid, execution);
+  const auto revise = [&](const ExpectedWork& work) {
+    c->cost = std::max(c->cost, work.seconds);
+    pool_.revise(c->flight->common.urgency.task(), c->cost);
+  };
+  if (auto error = cannot_fit(c->request.parameters, figures, most_bytes()))
     return end(c, tl::unexpected<Error>(std::move(*error)));
   if (mesh->cache != CacheOutcome::kHit) {  // corrects the estimate that was based on the file's size
     const ExpectedWork work = expected_work(c->request.parameters.fracture, bytes_of(c->request),
-                                            &c->mesh->solid, 0, c->request.parameters.selection);
-    c->cost = std::max(c->cost, work.seconds);
-    pool_.revise(c->flight->common.urgency.task(), c->cost);
+                                            &c->mesh->solid, 0, c->request.parameters.selection, &figures);
+    revise(work);
+  } else if (c->is_provisional) {
+    revise(work_of(c->request, c->keys, 0, &figures));
   }
   if (!failures_) {  // only the failure keeper would still need the file
     c->request.mesh = {};

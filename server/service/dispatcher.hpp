@@ -66,7 +66,14 @@ struct Terms {
   /// The request's place among the computations of its name, which its steps pass on: the first step takes the place, and
   /// leaves it here for the next step. Null: each step takes a place of its own.
   std::shared_ptr<tenants::Account::Seat> seat{};
-  bool needs_seat = true;         ///< false: the request finishes work that already had a place
+  bool needs_seat = true;    ///< false: the request finishes work that already had a place
+  bool is_computed = false;  ///< run() finishes work that had its turn: it is not refused for a full queue
+  /// False: clients that wait for run() hold memory themselves. If memory is short, the work is given up instead of waiting.
+  bool may_wait_for_memory = true;
+  /// For work that several requests queue, of which one does it for all. Called when the turn of run() comes, before memory is
+  /// taken. If it returns true, the work lets its turn pass: it leaves the queue and calls nothing. Work with this
+  /// function is never counted as abandoned.
+  std::function<bool()> passes{};
   std::uint64_t least_bytes = 0;  ///< minimum memory, if an earlier attempt needed more than expected
 };
 
@@ -102,10 +109,16 @@ class Dispatcher {
   /// tier. If it returns nothing, exactly one of the functions is called, before or after the return. `job` is called when its
   /// turn comes; its Execution has the deadline and the stop token of the terms, which it must poll. `given_up` is called
   /// instead if the deadline passes (kDeadlineExceeded) or the client leaves (kCancelled) before that; the job then leaves
-  /// the queue. If it returns an error, both functions are dropped. They must not throw.
+  /// the queue. So it is if the job may not wait for memory (Terms) and there is too little (kOverloaded, kOverShare). If it returns an error, both functions are dropped. They must not throw.
   using Job = std::function<void(const Execution&)>;
   using GivenUp = std::function<void(Error)>;
   std::optional<Error> run(ExpectedWork work, const Terms& terms, Job job, GivenUp given_up);
+  /// Sets aside working memory of this client (Flow::name) for an answer that stays after its computation. Fills `aside`, whose
+  /// destructor gives the memory back, if the verdict is kFits. An answer may be read slowly, so even a small one leaves the
+  /// part for small computations free. If the verdict is kHeldInBackground, background work gives up memory soon, and no other
+  /// background work takes it for three seconds. Takes only locks of the memory budget and of the timer.
+  MemoryBudget::Verdict set_aside(const std::string& client, std::uint64_t bytes,
+                                  std::shared_ptr<const void>& aside);
   /// The working memory of everything that is computed or read.
   MemoryBudget& working() { return working_.whole(); }
   /// The most working memory that a single computation may hold, bytes.
@@ -119,9 +132,10 @@ class Dispatcher {
 
   /// Blocks until nothing is computed any more and no reply is outstanding.
   void wait_idle() {
-    do {  // the timer's calls may resume tasks
+    do {  // the timer's calls and the end of the claim may resume tasks
       pool_.wait_idle();
       timer_.flush();
+      end_claim(Clock::time_point::max());
     } while (pool_.running() + pool_.queued() > 0);
   }
 
@@ -169,6 +183,14 @@ class Dispatcher {
   using DiagramFlights = SingleFlight<Step<CutBase>, Urgency>;
 
   std::optional<Error> refuses(double cost, const Terms& terms) const;
+  /// Returns the work of a request, for its admission, or the refusal if it cannot fit. `mesh`: null if it is not prepared yet. The
+  /// caller may be an io thread. If an estimate from the mesh takes too long for one, the work is estimated without it, and
+  /// `is_provisional` is set: the computation then makes the estimate.
+  Expected<ExpectedWork> work_of(const FractureRequest& request, const RequestKeys& keys,
+                                 const PreparedMesh* mesh, bool& is_provisional);
+  /// `unread`: bytes of the mesh that are still to be read. `figures`: of the solid; null if it is not known.
+  ExpectedWork work_of(const FractureRequest& request, const RequestKeys& keys, std::uint64_t unread,
+                       const SolidFigures* figures);
   /// Obtains a place among the computations of the payer's name: that of the request's previous step, or else a new one.
   static std::optional<Error> seat(const Terms& terms, tenants::Account::Seat& share);
   /// Charges each payer for all of the time, in the class of its own request.
@@ -185,6 +207,10 @@ class Dispatcher {
   /// Returns a function that makes room for a reservation of this client: background work of other clients gives up memory
   /// that it holds beyond its half.
   ComputationAllowance::MakeRoom make_room_for(const std::string& client);
+  /// Makes background work of other clients give up memory for an answer of this client, which asks again soon.
+  void make_room_for_answer(const std::string& client, std::uint64_t bytes);
+  /// Ends the claim for such answers, unless it lasts beyond `now`.
+  void end_claim(std::chrono::steady_clock::time_point now);
   static MemoryBudget::Divided divided(std::uint64_t working_bytes);
   static std::uint64_t share_of(std::uint64_t bytes);
   /// Removes a computation from the queue, or from the line for memory, if nobody is waiting for it any more.
@@ -234,6 +260,9 @@ class Dispatcher {
   MemoryLine line_{working_, [this](const std::string& client, std::uint64_t bytes) {
                      background_.give_up(client, working_.whole().missing(bytes));
                    }};
+  std::mutex of_claim_;
+  std::unique_ptr<MemoryLine::Claim> claim_;  ///< for answers that could not be set aside
+  Clock::time_point claimed_until_{};
   ResultFlights results_;
   MeshFlights meshes_;
   DiagramFlights diagrams_;

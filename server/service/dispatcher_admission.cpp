@@ -4,7 +4,10 @@
 #include <cstdio>
 #include <utility>
 
+#include "common/hits/delta.hpp"
 #include "server/service/computation.hpp"
+#include "server/service/estimate.hpp"
+#include "server/service/solid_figures.hpp"
 
 namespace fracture {
 namespace {
@@ -46,6 +49,47 @@ std::optional<Error> Dispatcher::refuses(double cost, const Terms& terms) const 
                           in_seconds(std::max(0.0, left.count())) + ".",
                       whole_seconds(total - left.count()));
   return std::nullopt;
+}
+
+Expected<ExpectedWork> Dispatcher::work_of(const FractureRequest& request, const RequestKeys& keys,
+                                           const PreparedMesh* mesh, bool& is_provisional) {
+  const RequestParameters& asked = request.parameters;
+  is_provisional = false;
+  if (!mesh) return work_of(request, keys, input_bytes(request.mesh, request.files), nullptr);
+  const auto is_short = [&](int evaluations) {
+    return seconds_of_estimate(asked.fracture, mesh->solid, evaluations) <= kEstimateInline;
+  };
+  if (is_short(kEvaluationsIfItFits)) {
+    const SolidFigures figures(mesh->solid);
+    if (fits(asked, figures, most_bytes())) return work_of(request, keys, 0, &figures);
+    if (is_short(kEvaluationsWithAdvice))
+      if (auto error = cannot_fit(asked, figures, most_bytes()))
+        return tl::unexpected<Error>(std::move(*error));
+  }
+  is_provisional = true;
+  return work_of(request, keys, 0, nullptr);
+}
+
+ExpectedWork Dispatcher::work_of(const FractureRequest& request, const RequestKeys& keys,
+                                 std::uint64_t unread, const SolidFigures* figures) {
+  const FractureParameters& fracture = request.parameters.fracture;
+  const Selection& selection = request.parameters.selection;
+  const Solid* const solid = figures ? &figures->solid() : nullptr;
+  ExpectedWork work = expected_work(fracture, unread, solid, request.triangles, selection, figures);
+  if (!selection.new_hits) return work;
+  const std::shared_ptr<const CutBase> kept = service_.find_diagram(keys);
+  const auto* const before = kept ? std::get_if<FracturedBase>(kept.get()) : nullptr;
+  const bool continues =  // otherwise, the answer before the hits is only compared with the one after them
+      fracture.rest == LocalRest::kFractured || fracture.hits.size() > selection.new_hits->count;
+  if (before && before->broken.rest == fracture.rest)
+    return expected_hit_work(fracture, selection, solid, figures);
+  if (!before && !continues) {
+    const ExpectedWork earlier = expected_work(before_hits(fracture, selection.new_hits->count), unread,
+                                               solid, request.triangles, selection, figures);
+    work.seconds += earlier.seconds;
+    work.bytes = std::max(work.bytes, earlier.bytes);
+  }
+  return work;
 }
 
 std::optional<Error> Dispatcher::refuses(const ExpectedWork& work, const Terms& terms) const {
@@ -118,12 +162,13 @@ Error Dispatcher::lacking(MemoryBudget::Verdict verdict, std::uint64_t bytes) co
             "This computation needs " + std::to_string(bytes) +
             " bytes, but this client's other computations use up its share of the working memory. All computations together "
             "use about " +
-            std::to_string(working.used()) + " bytes. A lone client may use " +
-            std::to_string(working_.share()) + ".",
+            std::to_string(working.used()) + " bytes. A client that is alone may use " +
+            std::to_string(working_.share()) + " bytes.",
         .retry_after = later};
-  Error error = overloaded("The computations in progress use about " + std::to_string(working.used()) +
-                               " bytes of working memory, and this one needs " + std::to_string(bytes) + ".",
-                           later);
+  Error error =
+      overloaded("The computations in progress use about " + std::to_string(working.used()) +
+                     " bytes of working memory, and this one needs " + std::to_string(bytes) + " bytes.",
+                 later);
   error.extra = fracture::Figures(nlohmann::json{{"bytes", bytes}});
   return error;
 }

@@ -20,21 +20,33 @@ struct Dispatcher::Errand : std::enable_shared_from_this<Errand> {
 
   void leave(ErrorCode code) {
     if (decided.exchange(true)) return;
-    ++dispatcher.abandoned_;
+    if (!terms.passes) ++dispatcher.abandoned_;
     if (code == ErrorCode::kDeadlineExceeded) ++dispatcher.expired_;
-    dispatcher.pool_.withdraw(task);  // if its turn has just come, it finds that nobody waits
+    withdraw();  // if its turn has just come, it finds that nobody waits
     share = {};
     job = nullptr;
     dispatcher.line_.given_back();  // removes it from the line if it waits for memory
-    given_up(code == ErrorCode::kDeadlineExceeded
-                 ? Error{code,
-                         "The deadline of the request passed before its turn came: the server's --deadline, "
-                         "or the request's own Request-Timeout. Send the request again later, or with a "
-                         "longer Request-Timeout."}
-                 : to_error(Interrupted{code}));
+    given_up(
+        code == ErrorCode::kDeadlineExceeded
+            ? Error{code,
+                    "The request's deadline passed before its turn came. The deadline is the server's "
+                    "--deadline or the request's own Request-Timeout. Send the request again later, or with a "
+                    "longer Request-Timeout."}
+            : to_error(Interrupted{code}));
+  }
+  /// Another request does the work.
+  void pass() {
+    if (!decided.exchange(true)) job = nullptr;
   }
   void fail(const Error& error) {
     if (!decided.exchange(true)) given_up(error);
+  }
+
+  void withdraw() {
+    if (terms.is_computed)
+      dispatcher.pool_.withdraw_resumed(task);
+    else
+      dispatcher.pool_.withdraw(task);
   }
 
   bool abandoned() const { return decided; }
@@ -77,23 +89,70 @@ std::optional<Error> Dispatcher::run(ExpectedWork work, const Terms& terms, Job 
   work.bytes = std::min(work.bytes, working_.most_at_once());
   const auto errand = std::make_shared<Errand>(*this, work, terms, std::move(job), std::move(given_up));
   std::optional<Error> overload = seat(terms, errand->share);
-  if (!overload) overload = refuses(work.seconds, terms);
-  if (!overload && !waits_for_memory(terms)) overload = lacks_memory(work.bytes, terms);
+  if (!overload && !terms.is_computed) overload = refuses(work.seconds, terms);
+  const bool needs_none = terms.is_computed && work.bytes == 0;
+  if (!overload && !needs_none && !(terms.may_wait_for_memory && waits_for_memory(terms)))
+    overload = lacks_memory(work.bytes, terms);
   if (overload) {
     ++refused_;
     return overload;
   }
-  const WorkerPool::TaskId task = pool_.submit(
-      terms.priority, work.seconds, [this, errand](int threads) { begin_errand(errand, threads); },
-      terms.payer.turn());
+  const auto at_turn = [this, errand](int threads) { begin_errand(errand, threads); };
+  const WorkerPool::TaskId task =
+      terms.is_computed
+          ? pool_.resume(at_turn, terms.priority, work.seconds, std::nullopt, terms.payer.turn())
+          : pool_.submit(terms.priority, work.seconds, at_turn, terms.payer.turn());
   try {
     errand->arm(task);
   } catch (...) {
     if (errand->decided.exchange(true)) return std::nullopt;
-    pool_.withdraw(task);
+    errand->withdraw();
     throw;
   }
   return std::nullopt;
+}
+
+MemoryBudget::Verdict Dispatcher::set_aside(const std::string& client, std::uint64_t bytes,
+                                            std::shared_ptr<const void>& aside) {
+  struct Aside {
+    Aside(MemoryLine& l, MemoryBudget::Reservation m) : line(l), memory(std::move(m)) {}
+    ~Aside() {
+      if (memory.bytes() == 0) return;
+      memory = {};
+      line.given_back();
+    }
+    MemoryLine& line;
+    MemoryBudget::Reservation memory;
+  };
+  auto kept = std::make_shared<Aside>(line_, working_.begin(client));
+  const MemoryBudget& whole = working_.whole();
+  auto verdict = MemoryBudget::Verdict::kFits;
+  // A small answer is judged as a large reservation if it would take memory that is for small computations.
+  if (whole.missing(bytes) > 0) verdict = working_.judge(client, std::max(bytes, whole.largest_small() + 1));
+  if (verdict == MemoryBudget::Verdict::kFits && !kept->memory.grow_to(bytes))
+    verdict = kept->memory.verdict();
+  if (verdict == MemoryBudget::Verdict::kHeldInBackground)  // the caller holds a lock, so the timer does it
+    timer_.at(Clock::now(), [this, client, bytes] { make_room_for_answer(client, bytes); });
+  if (verdict == MemoryBudget::Verdict::kFits) aside = std::move(kept);
+  return verdict;
+}
+
+void Dispatcher::make_room_for_answer(const std::string& client, std::uint64_t bytes) {
+  static constexpr std::chrono::seconds kLongest{3};  // the client is told to ask again after two
+  const Clock::time_point until = Clock::now() + kLongest;
+  timer_.at(until, [this] { end_claim(Clock::now()); });
+  {
+    const std::lock_guard lock(of_claim_);
+    if (!claim_) claim_ = std::make_unique<MemoryLine::Claim>(line_);
+    claimed_until_ = until;
+  }
+  background_.give_up(client, working_.whole().missing(bytes));
+}
+
+void Dispatcher::end_claim(Clock::time_point now) {
+  std::unique_ptr<MemoryLine::Claim> over;  // ends without the lock
+  const std::lock_guard lock(of_claim_);
+  if (claimed_until_ <= now) over.swap(claim_);
 }
 
 void Dispatcher::begin_errand(const std::shared_ptr<Errand>& errand, int threads) {
@@ -103,14 +162,25 @@ void Dispatcher::begin_errand(const std::shared_ptr<Errand>& errand, int threads
                  errand->work.seconds, std::nullopt, errand->terms.payer.turn());
   };
   const auto failed = [errand](const Error& error) { errand->fail(error); };
+  const std::string& client = errand->terms.payer.flow.name;
+  const std::uint64_t bytes = errand->work.bytes;
   const Expected<bool> ready = guarded([&]() -> Expected<bool> {
-    return has_memory(
-        errand, errand->terms.payer.flow.name, [errand] { return errand->terms.priority; },
-        errand->work.bytes, again, failed);
+    if (errand->terms.passes && errand->terms.passes()) {
+      errand->pass();
+      return false;
+    }
+    if (errand->terms.may_wait_for_memory)
+      return has_memory(
+          errand, client, [errand] { return errand->terms.priority; }, bytes, again, failed);
+    MemoryBudget::Reservation memory = working_.begin(client, use_of(errand->terms.priority));
+    if (!memory.grow_to(bytes) && !make_room_for(client)(memory, bytes))
+      return tl::unexpected<Error>(lacking(memory.verdict(), bytes));
+    errand->hold(std::move(memory));
+    return true;
   });
   if (!ready) return failed(ready.error());
-  if (!*ready) return;  // its turn comes again
-  if (errand->begin(threads))
+  if (!*ready) return;  // it let its turn pass, or its turn comes again
+  if (errand->begin(threads) && errand->work.seconds > 0)
     pool_.measured(errand->terms.payer.flow.name, errand->work.seconds, errand->spent.busy_seconds);
 }
 

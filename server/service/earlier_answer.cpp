@@ -45,7 +45,7 @@ Expected<std::vector<RawParameter>> on_earlier_answer(const ParameterTable& tabl
   if (!hits && hit_before && given_delta != given.end())
     return wrong(
         "delta",
-        "'delta' describes the change that new hits make: give 'local_point' and 'local_radius' with 'of'.");
+        "'delta' describes the changes that new hits cause: give 'local_point' and 'local_radius' with 'of'.");
   nlohmann::json taken = earlier;
   std::vector<RawParameter> result;
   for (const RawParameter& raw : given) {
@@ -70,8 +70,8 @@ Expected<std::vector<RawParameter>> on_earlier_answer(const ParameterTable& tabl
     // Fragments that the hits do not touch must stay as they are in the caller's answer.
     if (hits && compared && raw.name != "delta" && raw.name != "gravity" && raw.name != "broken")
       return wrong(raw.name, "'" + raw.name +
-                                 "' would change fragments that the hits do not touch: leave it out, or ask "
-                                 "with delta=none.");
+                                 "' would change fragments that the hits do not touch: leave it out, or set "
+                                 "delta=none.");
     taken.erase(raw.name);
     // The new parameter replaces others that set the same thing.
     if (raw.name == "mass") taken.erase("density");
@@ -86,7 +86,7 @@ Expected<std::vector<RawParameter>> on_earlier_answer(const ParameterTable& tabl
     if (earlier.contains("fragment"))
       return wrong(
           "of",
-          "'of' refers to an answer with the parts of one fragment, but hits need an answer for a whole mesh.");
+          "'of' refers to an answer with the pieces of one fragment, but hits need an answer for a whole mesh.");
     taken["local_point"] = continued(earlier, "local_point", own.local_point, [](const Vec3d& p) {
       return nlohmann::json{p.x, p.y, p.z};
     });

@@ -26,6 +26,10 @@ constexpr double kBytesPerFile = 3000, kBytesPerFragment = 2650, kBytesPerHull =
 constexpr double kVerticesOfSurface = 0.5, kVerticesOfFlatCuts = 1.8, kVerticesOfRoughCuts = 0.8;
 // Hulls of a fragment of several cells or parts, and of a pattern that merges some cells.
 constexpr double kHullsOfAggregate = 3, kHullsOfMerged = 2;
+
+// Time for the numbers without hits, in steps (SolidFigures::step), and more for each entry of `assign`.
+constexpr std::size_t kStepsOfNumbers = 50, kStepsOfEntry = 10;
+
 bool divides_the_box(const SitePattern& pattern) {
   return std::holds_alternative<GridPattern>(pattern) || std::holds_alternative<BrickPattern>(pattern) ||
          std::holds_alternative<SlicePattern>(pattern);
@@ -69,17 +73,18 @@ Section section_of(const SolidShape& shape, double cells, double longer) {
 }
 
 /// The numbers without hits.
-Numbers numbers_of(const FractureParameters& p, const Solid& solid, const Selection& selection) {
+Numbers numbers_of(const FractureParameters& p, const SolidFigures& solid, const Selection& selection) {
   Numbers n;
-  const SolidShape shape = shape_of(solid);
+  solid.step(kStepsOfNumbers + kStepsOfEntry * p.assigned.size());
+  const SolidShape& shape = solid.shape();
   if (!(shape.volume > 0) || !(shape.area > 0)) return n;
-  n.sites = std::fmax(1, expected_sites(p, &solid, selection));
+  n.sites = std::fmax(1, expected_sites(p, &solid.solid(), selection));
   n.cells = std::fmax(1, cells_in(shape, n.sites, p));
   double group = cells_per_fragment(p);
   n.fragments = p.size.fragments > 0 ? p.size.fragments : n.cells / group;
   if (p.size.max_fragments > 0) n.fragments = std::fmin(n.fragments, p.size.max_fragments);
   if (shape.parts > 1 && n.cells > 1) {
-    const LooseParts loose = loose_parts(solid, shape.volume / n.cells, p.parts == Parts::kApart);
+    const LooseParts loose = solid.loose_parts(shape.volume / n.cells, p.parts == Parts::kApart);
     if (p.size.fragments > 0 || p.size.max_fragments > 0)
       n.fragments = std::fmax(n.fragments, 1 + loose.count);
     else
@@ -127,13 +132,14 @@ Numbers numbers_of(const FractureParameters& p, const Solid& solid, const Select
 }
 
 /// The parameters of the answer before the hits. It has one cell if the hits leave the rest whole.
-FractureParameters before_hits_of(const FractureParameters& p, const Solid& solid) {
-  FractureParameters before = before_first_hit(solid, p);
+FractureParameters before_hits_of(const FractureParameters& p, const SolidFigures& solid) {
+  FractureParameters before = before_first_hit(solid.solid(), p);
   if (!p.hits.empty() && p.rest == LocalRest::kWhole) before.sites = 1;
   return before;
 }
 
-Numbers numbers_with_hits(const FractureParameters& p, const Solid& solid, const Selection& selection) {
+Numbers numbers_with_hits(const FractureParameters& p, const SolidFigures& solid,
+                          const Selection& selection) {
   if (p.hits.empty()) return numbers_of(p, solid, selection);
   Numbers n = numbers_of(before_hits_of(p, solid), solid, selection);
   const HitNumbers hits =
@@ -157,15 +163,14 @@ double working_bytes_of(const Numbers& n) {
          bytes(Product::kFragmentTriangles, n.counted) + n.hit_bytes;
 }
 
-double file_bytes_of(const Numbers& n, const RequestParameters& asked, const Solid& solid) {
+double file_bytes_of(const Numbers& n, const RequestParameters& asked, const SolidFigures& solid) {
   double vertex = kBytesOfPosition + kBytesOfNormal, images = 0;
-  if (solid.source) {
-    const Attributes& attributes = solid.source->attributes;
+  if (const auto& source = solid.solid().source) {
+    const Attributes& attributes = source->attributes;
     vertex += kBytesOfUv * static_cast<double>(attributes.uvs.size()) +
               kBytesOfColor * static_cast<double>(attributes.colors.size()) +
               (attributes.tangents.empty() ? 0 : kBytesOfTangent);
-    for (const Image& image : solid.source->library->images)
-      images += static_cast<double>(image.bytes.size());
+    for (const Image& image : source->library->images) images += static_cast<double>(image.bytes.size());
   }
   if (asked.interior.detail != CutDetail::kNone && asked.delta != DeltaAnswer::kOnly) images += kBytesOfMaps;
   const bool hulls = asked.physics != Physics::kNone || asked.ue_collision != UeCollision::kNone;
@@ -175,57 +180,61 @@ double file_bytes_of(const Numbers& n, const RequestParameters& asked, const Sol
   const double intact =
       asked.fracture.intact ? 2.0 : 1.0;  // the unbroken mesh counts like all fragments together
   return kBytesPerFile + images + kBytesPerFragment * n.fragments + (hulls ? kBytesPerHull * n.hulls : 0) +
-         vertex * (vertices + (intact - 1) * static_cast<double>(solid.triangles.size())) +
+         vertex * (vertices + (intact - 1) * static_cast<double>(solid.solid().triangles.size())) +
          kBytesOfIndices * triangles;
 }
 
 /// The parameter that sets the number of cells.
-std::string counting_parameter(const RequestParameters& asked, const Solid& solid) {
+std::string counting_parameter(const RequestParameters& asked, const SolidFigures& solid) {
   const FractureParameters& p = asked.fracture;
-  if (p.max_volume > 0 && 2 * solid.report.volume / p.max_volume >= expected_sites(p, &solid))
+  if (p.max_volume > 0 && 2 * solid.solid().report.volume / p.max_volume >= expected_sites(p, &solid.solid()))
     return "max_volume";
   FractureParameters fewer = p;
   fewer.sites = 1;
-  if (p.sites > 1 && !(expected_sites(fewer, &solid) < expected_sites(p, &solid)))
+  if (p.sites > 1 && !(expected_sites(fewer, &solid.solid()) < expected_sites(p, &solid.solid())))
     return std::holds_alternative<SlicePattern>(p.pattern) ? "spacing" : "cell";
   return p.size.fragments > 0 ? "fragments" : "sites";
 }
 
-FractureParameters with_count(FractureParameters parameters, std::uint32_t count) {
+void set_count(FractureParameters& parameters, std::uint32_t count) {
   parameters.sites = count;
   if (parameters.size.fragments > 0) parameters.size.fragments = count;
-  return parameters;
 }
 
-FractureParameters with_sites_of_hits(FractureParameters parameters, std::uint32_t most) {
+void limit_sites_of_hits(FractureParameters& parameters, std::uint32_t most) {
   for (LocalImpact& hit : parameters.hits) hit.sites = std::min(hit.sites, most);
-  return parameters;
 }
 
 /// The largest number from 1 to `high` whose request is estimated at `limit` bytes at most, rounded down to two digits; at
-/// least 1. `with`: the request with that number.
-template <class With>
-std::uint32_t largest_count(const With& with, std::uint32_t high, const Solid& solid, double limit) {
+/// least 1. Also the bytes of the request with that number. `set`: sets it in the parameters.
+template <class Set>
+std::pair<std::uint32_t, double> largest_count(const FractureParameters& parameters, const Set& set,
+                                               std::uint32_t high, const SolidFigures& solid, double limit) {
+  const auto bytes_with = [&](std::uint32_t count) {
+    FractureParameters fewer = parameters;
+    set(fewer, count);
+    return expected_working_bytes(fewer, solid);
+  };
   std::uint32_t low = 1;
   while (low < high) {
     const std::uint32_t middle = low + (high - low + 1) / 2;
-    if (expected_working_bytes(with(middle), solid) <= limit)
+    if (bytes_with(middle) <= limit)
       low = middle;
     else
       high = middle - 1;
   }
   std::uint32_t unit = 1;
   while (low / unit >= 100) unit *= 10;
-  return low / unit * unit;
+  const std::uint32_t count = low / unit * unit;
+  return {count, bytes_with(count)};
 }
 
 /// The advice to give each hit fewer cells.
-CostliestParameter fewer_sites_of_hits(const FractureParameters& p, const Solid& solid, double limit) {
+CostliestParameter fewer_sites_of_hits(const FractureParameters& p, const SolidFigures& solid, double limit) {
   std::uint32_t most = 1;
   for (const LocalImpact& hit : p.hits) most = std::max(most, hit.sites);
-  const auto with = [&](std::uint32_t count) { return with_sites_of_hits(p, count); };
-  const std::uint32_t count = largest_count(with, most, solid, limit);
-  return {"local_sites", count, expected_working_bytes(with(count), solid)};
+  const auto [count, bytes] = largest_count(p, limit_sites_of_hits, most, solid, limit);
+  return {"local_sites", count, bytes};
 }
 
 std::string size_in_words(double bytes) { return data_size(static_cast<std::uint64_t>(bytes)); }
@@ -240,12 +249,12 @@ std::string need_in_words(const ExpectedAnswer& expected, double limit, const st
 
 }  // namespace
 
-double expected_working_bytes(const FractureParameters& parameters, const Solid& solid,
+double expected_working_bytes(const FractureParameters& parameters, const SolidFigures& solid,
                               const Selection& selection) {
   return working_bytes_of(numbers_with_hits(parameters, solid, selection));
 }
 
-ExpectedAnswer expected_answer(const RequestParameters& asked, const Solid& solid) {
+ExpectedAnswer expected_answer(const RequestParameters& asked, const SolidFigures& solid) {
   const Numbers n = numbers_with_hits(asked.fracture, solid, asked.selection);
   return {.sites = n.sites,
           .fragments = n.fragments,
@@ -254,7 +263,8 @@ ExpectedAnswer expected_answer(const RequestParameters& asked, const Solid& soli
           .working_bytes = working_bytes_of(n)};
 }
 
-CostliestParameter costliest_parameter(const RequestParameters& asked, const Solid& solid, double limit) {
+CostliestParameter costliest_parameter(const RequestParameters& asked, const SolidFigures& solid,
+                                       double limit) {
   const FractureParameters& p = asked.fracture;
   const double whole = expected_working_bytes(p, solid);
   FractureParameters smooth = p;
@@ -266,26 +276,28 @@ CostliestParameter costliest_parameter(const RequestParameters& asked, const Sol
   if (whole - flat >= flat - mesh && whole - flat >= mesh) return {"rough_amplitude", 0, flat};
   if (flat - mesh < mesh) return {"", nullptr, mesh};
   if (!p.hits.empty()) {
-    const double fewest = expected_working_bytes(with_sites_of_hits(smooth, 1), solid);
+    FractureParameters small_hits = smooth;
+    limit_sites_of_hits(small_hits, 1);
+    const double fewest = expected_working_bytes(small_hits, solid);
     if (flat - fewest >= fewest - mesh && flat - fewest >= mesh) return fewer_sites_of_hits(p, solid, limit);
     if (p.rest == LocalRest::kWhole) return {"", nullptr, mesh};
   }
   const std::string name = counting_parameter(asked, solid);
   if (name != "fragments" && name != "sites") return {name, nullptr, mesh};
-  const auto with = [&](std::uint32_t count) { return with_count(p, count); };
-  const std::uint32_t count = largest_count(with, std::max(1u, p.sites), solid, limit);
-  return {name, count, expected_working_bytes(with(count), solid)};
+  const auto [count, bytes] = largest_count(p, set_count, std::max(1u, p.sites), solid, limit);
+  return {name, count, bytes};
 }
 
-std::string advice_for_less_memory(const RequestParameters& asked, const Solid& solid, double limit,
-                                   const std::string& setting) {
-  const CostliestParameter costliest = costliest_parameter(asked, solid, limit);
+namespace {
+
+std::string advice_about(const CostliestParameter& costliest, const RequestParameters& asked,
+                         const SolidFigures& solid, double limit, const std::string& setting) {
   const std::string or_raise = ", or raise " + setting + ".";
   if (costliest.name.empty())
-    return "Most of the memory is for the mesh itself: send one with fewer than its " +
-           grouped(solid.triangles.size()) + " triangles" + or_raise;
+    return "Most of the memory is for the mesh itself, which has " + grouped(solid.solid().triangles.size()) +
+           " triangles: send a mesh with fewer" + or_raise;
   const std::string most = "Most of the memory is for '" + costliest.name + "': ";
-  if (costliest.value.is_null()) return most + "use a larger value, so that there are fewer cells" + or_raise;
+  if (costliest.value.is_null()) return most + "use a larger value, which gives fewer cells" + or_raise;
   std::string text =
       most + "use " + costliest.name + "=" + costliest.value.dump() +
       (costliest.value.is_number_integer() && costliest.value.get<std::uint64_t>() > 0 ? " or fewer" : "") +
@@ -300,15 +312,13 @@ std::string advice_for_less_memory(const RequestParameters& asked, const Solid& 
   return text + or_raise;
 }
 
-std::optional<Error> cannot_fit(const RequestParameters& asked, const Solid& solid, std::uint64_t limit,
-                                const std::string& setting) {
-  if (asked.selection.new_hits || asked.selection.refracture) return std::nullopt;
+/// The refusal of a request that cannot fit.
+Error cannot_fit(const ExpectedAnswer& expected, const CostliestParameter& costliest,
+                 const RequestParameters& asked, const SolidFigures& solid, std::uint64_t limit,
+                 const std::string& setting) {
   const auto most = static_cast<double>(limit);
-  const ExpectedAnswer expected = expected_answer(asked, solid);
-  if (!(expected.working_bytes > kEstimateFactor * most)) return std::nullopt;
   Error error{ErrorCode::kTooComplex, need_in_words(expected, most, setting) + " " +
-                                          advice_for_less_memory(asked, solid, most, setting)};
-  const CostliestParameter costliest = costliest_parameter(asked, solid, most);
+                                          advice_about(costliest, asked, solid, most, setting)};
   error.pointer = costliest.name;
   error.extra = Figures(nlohmann::json{{"bytes", static_cast<std::uint64_t>(expected.working_bytes)},
                                        {"limit", limit},
@@ -318,33 +328,59 @@ std::optional<Error> cannot_fit(const RequestParameters& asked, const Solid& sol
   return error;
 }
 
-nlohmann::json estimate_document(const RequestParameters& asked, const Solid& solid, std::uint64_t limit,
-                                 const std::string& setting) {
+bool fits(double working_bytes, const RequestParameters& asked, std::uint64_t limit) {
+  return asked.selection.new_hits || asked.selection.refracture ||
+         !(working_bytes > kEstimateFactor * static_cast<double>(limit));
+}
+
+}  // namespace
+
+std::string advice_for_less_memory(const RequestParameters& asked, const SolidFigures& solid, double limit,
+                                   const std::string& setting) {
+  return advice_about(costliest_parameter(asked, solid, limit), asked, solid, limit, setting);
+}
+
+bool fits(const RequestParameters& asked, const SolidFigures& solid, std::uint64_t limit) {
+  if (asked.selection.new_hits || asked.selection.refracture) return true;
+  return fits(expected_working_bytes(asked.fracture, solid, asked.selection), asked, limit);
+}
+
+std::optional<Error> cannot_fit(const RequestParameters& asked, const SolidFigures& solid,
+                                std::uint64_t limit, const std::string& setting) {
+  if (fits(asked, solid, limit)) return std::nullopt;
+  return cannot_fit(expected_answer(asked, solid),
+                    costliest_parameter(asked, solid, static_cast<double>(limit)), asked, solid, limit,
+                    setting);
+}
+
+nlohmann::json estimate_document(const RequestParameters& asked, const SolidFigures& solid,
+                                 std::uint64_t limit, const std::string& setting) {
   const auto whole = [](double number) { return static_cast<std::uint64_t>(std::llround(number)); };
   const ExpectedAnswer expected = expected_answer(asked, solid);
   const auto most = limit > 0 ? static_cast<double>(limit) : expected.working_bytes;
-  const std::string name = costliest_parameter(asked, solid, most).name;
-  const std::optional<Error> error = limit > 0 ? cannot_fit(asked, solid, limit, setting) : std::nullopt;
+  const CostliestParameter costliest = costliest_parameter(asked, solid, most);
+  const std::string& name = costliest.name;
+  const bool is_possible = limit == 0 || fits(expected.working_bytes, asked, limit);
   std::optional<std::string> advice;
-  if (error)
-    advice = error->detail;
+  if (!is_possible)
+    advice = cannot_fit(expected, costliest, asked, solid, limit, setting).detail;
   else if (expected.working_bytes > most)
     advice = need_in_words(expected, most, setting) +
-             " The estimate may be twice the real number, so the request is computed, and is refused if it "
+             " The estimate may be twice the real number, so the request is computed, but refused if it "
              "reaches the limit. " +
-             advice_for_less_memory(asked, solid, most, setting);
+             advice_about(costliest, asked, solid, most, setting);
   return {{"sites", whole(expected.sites)},
           {"fragments", whole(expected.fragments)},
           {"triangles", whole(expected.triangles)},
           {"bytes", whole(expected.file_bytes)},
           {"working_bytes", whole(expected.working_bytes)},
           {"limit_bytes", limit > 0 ? nlohmann::json(limit) : nlohmann::json()},
-          {"fits", !error},
+          {"fits", is_possible},
           {"costliest", name.empty() ? nlohmann::json() : nlohmann::json(name)},
           {"advice", advice ? nlohmann::json(*advice) : nlohmann::json()}};
 }
 
-Error with_advice(Error error, const RequestParameters& asked, const Solid& solid,
+Error with_advice(Error error, const RequestParameters& asked, const SolidFigures& solid,
                   const std::string& setting) {
   if (error.code != ErrorCode::kTooComplex || !error.extra->contains("limit") ||
       !error.extra->contains("grew"))

@@ -1,6 +1,7 @@
 // Estimates an answer and the memory of its computation before anything is computed. The estimate follows from the parameters and a few
-// figures of the solid and its parts, in time linear in the parts. admission.cpp reserves memory by it, and the service refuses requests
-// by it that cannot fit. POST /meshes/{id}/estimate returns it.
+// figures of the solid and its parts. admission.cpp reserves memory by it, and the service refuses requests by it that cannot fit.
+// POST /meshes/{id}/estimate returns it. A Solid converts to SolidFigures; several estimates with the same ones share their work. All
+// functions throw Interrupted, as the execution of the SolidFigures says.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +11,7 @@
 
 #include "common/base/error.hpp"
 #include "common/parameters/parameters.hpp"
-#include "common/solid/solid.hpp"
+#include "server/service/solid_figures.hpp"
 
 namespace fracture {
 
@@ -25,9 +26,9 @@ struct ExpectedAnswer {
 
 /// Estimates the whole answer. Hits cut the pieces that are there (estimate_of_hits.hpp). The parts of one fragment count as further
 /// sites. A solid without parts gives zeros.
-ExpectedAnswer expected_answer(const RequestParameters& asked, const Solid& solid);
+ExpectedAnswer expected_answer(const RequestParameters& asked, const SolidFigures& solid);
 /// Returns only ExpectedAnswer::working_bytes.
-double expected_working_bytes(const FractureParameters& parameters, const Solid& solid,
+double expected_working_bytes(const FractureParameters& parameters, const SolidFigures& solid,
                               const Selection& selection = {});
 
 /// The parameter that costs most memory, and what leaving it out would save.
@@ -37,32 +38,36 @@ struct CostliestParameter {
   double working_bytes = 0;  ///< with that value
 };
 /// `limit`: bytes that the computation may hold.
-CostliestParameter costliest_parameter(const RequestParameters& asked, const Solid& solid, double limit);
+CostliestParameter costliest_parameter(const RequestParameters& asked, const SolidFigures& solid,
+                                       double limit);
 
 /// The setting that limits the memory of a computation on a server.
 inline constexpr const char* kWorkingSetting = "--max-working";
 
 /// Returns the sentence that says what to change: "Most of the memory is for 'rough_amplitude': …". `setting`: what to raise
 /// instead.
-std::string advice_for_less_memory(const RequestParameters& asked, const Solid& solid, double limit,
+std::string advice_for_less_memory(const RequestParameters& asked, const SolidFigures& solid, double limit,
                                    const std::string& setting = kWorkingSetting);
 
 /// An estimate may be twice the real number. So a request is refused only if its estimate is more than this many times the limit.
 inline constexpr double kEstimateFactor = 2;
 
+/// Whether cannot_fit() returns nothing. Takes one evaluation, without advice.
+bool fits(const RequestParameters& asked, const SolidFigures& solid, std::uint64_t limit);
+
 /// Refuses a request that cannot fit into `limit` bytes (kTooComplex). Requests that start from a kept answer are never refused,
 /// because they make only its changes.
-std::optional<Error> cannot_fit(const RequestParameters& asked, const Solid& solid, std::uint64_t limit,
-                                const std::string& setting = kWorkingSetting);
+std::optional<Error> cannot_fit(const RequestParameters& asked, const SolidFigures& solid,
+                                std::uint64_t limit, const std::string& setting = kWorkingSetting);
 
 /// Returns {sites, fragments, triangles, bytes, working_bytes, limit_bytes, fits, costliest, advice}: the body of
 /// POST /meshes/{id}/estimate. `limit`: 0: none, and limit_bytes is null. `advice` is null only if working_bytes is within the
-/// limit. `fits` is false only if the request would be refused at once.
-nlohmann::json estimate_document(const RequestParameters& asked, const Solid& solid, std::uint64_t limit,
-                                 const std::string& setting = kWorkingSetting);
+/// limit. `fits` is false only if the request would be refused before its diagram is made.
+nlohmann::json estimate_document(const RequestParameters& asked, const SolidFigures& solid,
+                                 std::uint64_t limit, const std::string& setting = kWorkingSetting);
 
 /// Replaces the advice of an error kTooComplex that a computation ended with; other errors stay as they are.
-Error with_advice(Error error, const RequestParameters& asked, const Solid& solid,
+Error with_advice(Error error, const RequestParameters& asked, const SolidFigures& solid,
                   const std::string& setting = kWorkingSetting);
 
 }  // namespace fracture

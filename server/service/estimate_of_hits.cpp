@@ -26,10 +26,6 @@ constexpr double kTrianglesInOverlay = 13, kTrianglesInPlaneOverlay = 6;
 /// Edges in an earlier cut or in its triangles on the surface, relative to its outline.
 constexpr double kWithDiagonals = 1.5;
 
-/// The sites of a hit are dense in the middle of its ball, so fewer of its cells meet earlier cuts. (Counted with random points: 0.6 to
-/// 0.8.)
-constexpr double kDenseInTheMiddle = 0.7;
-
 /// How many pieces more than m + n there are if n cells cut m pieces. `flatness`: 1: all are prisms in a wall.
 double pieces_of_overlay(double m, double n, double flatness) {
   const double a = std::cbrt(m), b = std::cbrt(n);
@@ -47,44 +43,8 @@ double common_share(const LocalImpact& a, const LocalImpact& b) {
   return lens / (4 * kPi / 3 * r * r * r);
 }
 
-/// A part is small if it has at most this share of the space that a hit breaks.
-constexpr double kSmallPart = 0.25;
-
-/// The small parts that a hit reaches. The hit cuts each of them by itself.
-struct SmallParts {
-  double count = 0, volume = 0;
-  double pieces = 0;     ///< of all of them together
-  bool are_all = false;  ///< whether the hit reaches no larger part
-};
-
-/// `space`: m³, that the hit breaks if the solid fills it. Linear in the parts.
-SmallParts small_parts_at(const LocalImpact& hit, const Solid& solid, double space) {
-  SmallParts small;
-  if (solid.parts.size() < 2) return small;
-  const double cell = space / hit.sites;
-  std::size_t larger = 0;
-  for (const Part& part : solid.parts) {
-    Vec3d sides, beyond;  // of the box in the cube around the ball, and from the hit to the box
-    for (int a = 0; a < 3; ++a) {
-      sides[a] = std::fmin(part.box.max[a], hit.point[a] + hit.radius) -
-                 std::fmax(part.box.min[a], hit.point[a] - hit.radius);
-      beyond[a] = std::fmax(0, std::fmax(part.box.min[a] - hit.point[a], hit.point[a] - part.box.max[a]));
-    }
-    const Vec3d box = part.box.size();
-    if (length(beyond) > hit.radius || !(box.x * box.y * box.z > 0)) continue;
-    const double inside = part.volume * (sides.x / box.x) * (sides.y / box.y) * (sides.z / box.z);
-    if (inside > kSmallPart * space) {
-      ++larger;
-      continue;
-    }
-    const double met = cells_meeting(filled_sides(part, sides), inside, cell);
-    ++small.count;
-    small.volume += inside;
-    small.pieces += std::fmin(1.0 + hit.sites, 1 + kDenseInTheMiddle * (met - 1));
-  }
-  small.are_all = small.count > 0 && larger == 0;
-  return small;
-}
+/// Time for a hit, in steps (SolidFigures::step). Each earlier hit takes one more.
+constexpr std::size_t kStepsOfHit = 30;
 
 /// The part of the solid that a hit breaks.
 struct Place {
@@ -105,10 +65,10 @@ Place place_of(const LocalImpact& hit, const SolidShape& shape, double stretch) 
 
 }  // namespace
 
-HitNumbers expected_of_hits(const FractureParameters& parameters, const Solid& solid, double fragments,
+HitNumbers expected_of_hits(const FractureParameters& parameters, const SolidFigures& solid, double fragments,
                             double triangles, std::size_t first) {
   HitNumbers all;
-  const SolidShape shape = shape_of(solid);
+  const SolidShape& shape = solid.shape();
   if (!(shape.volume > 0) || !(shape.area > 0)) return all;
   const double stretch = parameters.anisotropy.stretch, longer = surface_of_stretched(stretch);
   const double cells = cells_per_fragment(parameters);
@@ -120,13 +80,14 @@ HitNumbers expected_of_hits(const FractureParameters& parameters, const Solid& s
   };
   std::vector<double> added;
   for (std::size_t k = 0; k < parameters.hits.size(); ++k) {
+    solid.step(kStepsOfHit + k);
     const LocalImpact& hit = parameters.hits[k];
     const Place place = place_of(hit, shape, stretch);
     double there = std::fmax(0, fragments - 1) * place.volume / shape.volume;  // pieces in the ball
     double of_hits = 0;  // pieces of earlier hits in the ball
     for (std::size_t j = 0; j < k; ++j) of_hits += added[j] * common_share(parameters.hits[j], hit);
     there += of_hits;
-    const SmallParts small = small_parts_at(hit, solid, place.space);
+    const SmallParts small = solid.small_parts(hit, place.space);
     // The sites in larger parts. (At least a little, because it divides.)
     const double own =
         small.are_all ? 1e-6 * hit.sites : hit.sites * place.volume / (place.volume + small.volume);

@@ -5,6 +5,7 @@
 #include <cstddef>
 
 #include "common/pipeline/fracture.hpp"
+#include "server/service/solid_figures.hpp"
 
 namespace fracture {
 
@@ -26,7 +27,7 @@ struct HitNumbers {
 /// The number of pieces in an overlay of two independent sets of random cells is the number of pairs of cells that meet. It follows
 /// from the mean volume, surface and width of a cell (Santaló 1976, Integral Geometry and Geometric Probability, III.15; the means of
 /// Meijering 1953).
-HitNumbers expected_of_hits(const FractureParameters& parameters, const Solid& solid, double fragments,
+HitNumbers expected_of_hits(const FractureParameters& parameters, const SolidFigures& solid, double fragments,
                             double triangles, std::size_t first = 0);
 
 }  // namespace fracture

@@ -13,6 +13,7 @@
 #include <system_error>
 #include <utility>
 
+#include "common/base/atomic_file.hpp"
 #include "common/base/json_text.hpp"
 #include "common/parameters/as_text.hpp"
 #include "common/pipeline/algorithm_version.hpp"
@@ -146,6 +147,10 @@ Expected<void> FailureKeeper::make_folder() const {
   fs::create_directories(config_.folder, error);
   if (!error && ::access(config_.folder.c_str(), W_OK | X_OK) != 0)
     error = std::error_code(errno, std::generic_category());
+  // The check above lets root pass everywhere, even in a folder in which the system allows no files.
+  AtomicFile probe;
+  if (!error && !probe.open((fs::path(config_.folder) / "request.json").string()))
+    error = std::error_code(errno, std::generic_category());
   if (error) return tl::unexpected<Error>(unusable_folder(config_.folder, error.message()));
   return {};
 }
@@ -183,7 +188,7 @@ void FailureKeeper::keep(const FractureRequest& request, const Error& error, con
     return;
   }
   try {
-    say_("Failures cannot be kept in '" + config_.folder + "': " + trouble);
+    say_("Failures cannot be saved in '" + config_.folder + "': " + trouble);
   } catch (...) {  // only the message is lost
   }
 }

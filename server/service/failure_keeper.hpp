@@ -22,7 +22,7 @@
 namespace fracture {
 
 struct FailureKeeperConfig {
-  std::string folder;  ///< created for the first failure; empty: nothing is kept
+  std::string folder;  ///< created if it is missing; empty: nothing is kept
   std::size_t max_failures = 100;
   std::uint64_t max_bytes = 1ull << 30;  ///< of all failures together; each file counts as at least 4 KiB
   std::string program = {};              ///< name and version, for request.json

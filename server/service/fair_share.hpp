@@ -31,6 +31,16 @@ struct FairShare {
     if (held * (rest + whole * counted) <= whole * free) return true;
     return alone && used - own <= capacity - share;
   }
+
+  /// Returns how much a client that holds nothing may take, without the exception for a single reservation. `used`: the
+  /// amount that all clients hold. `others`: how many clients hold something.
+  std::uint64_t first(std::uint64_t used, std::size_t others) const {
+    const std::uint64_t free = capacity - std::min(used, capacity);
+    if (share >= capacity) return free;
+    const auto whole = static_cast<double>(share), rest = static_cast<double>(capacity - share),
+               counted = static_cast<double>(std::min(others, kMostOthers));
+    return static_cast<std::uint64_t>(whole * static_cast<double>(free) / (rest + whole * (counted + 1)));
+  }
 };
 
 }  // namespace fracture

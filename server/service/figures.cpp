@@ -157,10 +157,10 @@ AnswerSummary summary_in(std::span<const std::uint8_t> file, OutputFormat format
   const TextRange range = figures_in(file, format).value_or(TextRange());
   const std::string_view text = text_of(file).substr(range.at, range.size);
   const json figures = json_or_null(text, kOfAnAnswer);
-  if (!figures.is_object()) throw InternalError("a file without extras.fracture on any of its nodes");
+  if (!figures.is_object()) throw InternalError("no node of the file has extras.fracture");
   const json certificate = figures.value("certificate", json());
   if (!certificate.is_object() || !certificate.contains("open_edges"))
-    throw InternalError("a file without a certificate");
+    throw InternalError("the file has no certificate");
   const json report = figures.value("report", json::object());
   AnswerSummary summary{.certificate = certificate_in(certificate),
                         .partition = !report.contains("barycenter"),

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "common/base/pacer.hpp"
 #include "common/parameters/parameter_object.hpp"
 
 namespace fracture {
@@ -79,7 +80,8 @@ std::shared_ptr<const FractureResult> result_in(const StoredEntry& stored, const
   result->mesh_digest = *mesh;
   // A result key begins with the digest of its mesh.
   if (mesh->substr(mesh->find(':') + 1, 16) != std::string_view(result->key).substr(0, 16)) return nullptr;
-  result->file.assign(stored.entry.payload.begin(), stored.entry.payload.end());
+  result->file.reserve(stored.entry.payload.size());
+  append_with_polls<std::uint8_t>(execution, result->file, stored.entry.payload);
   const auto figures = take_range(*ranges, result->file);
   if (!figures || figures->size == 0) return nullptr;  // every answer has figures
   result->figures = *figures;

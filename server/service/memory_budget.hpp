@@ -129,6 +129,8 @@ class MemoryBudget {
   }
   /// The largest size of a single reservation, in bytes.
   std::uint64_t capacity() const { return large_.capacity - headroom_; }
+  /// The largest size of a reservation that is still small, in bytes.
+  std::uint64_t largest_small() const { return largest_small_; }
 
   /// Returns the verdict that a new reservation of this size would get. `client` is null if no share applies.
   Verdict judge(const Client* client, std::uint64_t bytes, Use use = Use::kWaitedFor) const {

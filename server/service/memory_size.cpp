@@ -97,4 +97,14 @@ std::size_t memory_size(const CutBase& base) {
   return memory_size(std::get<FracturedBase>(base));
 }
 
+std::size_t memory_size(const FractureResult& result) {
+  std::size_t bytes = sizeof result + result.file.capacity() + result.parameters.capacity();
+  if (!result.summary) return bytes;
+  for (const auto* list : {&result.summary->remarks.warnings, &result.summary->remarks.notes})
+    for (const std::string& sentence : *list) bytes += sizeof sentence + sentence.capacity();
+  for (const Dropped& entry : result.summary->dropped)
+    bytes += sizeof entry + entry.what.capacity() + entry.name.capacity() + entry.reason.capacity();
+  return bytes;
+}
+
 }  // namespace fracture

@@ -1,8 +1,11 @@
 #include "server/service/mesh_store.hpp"
 
 #include <algorithm>
+#include <cstring>
 #include <iterator>
 #include <utility>
+
+#include "common/base/pacer.hpp"
 
 namespace fracture {
 namespace {
@@ -25,7 +28,8 @@ bool is_kept_as_copy(const FractureRequest& request, std::uint64_t capacity) {
   return !request.owner || capacity > size + size / 16 + kSlack;
 }
 
-std::shared_ptr<StoredMesh> stored_mesh_of(const FractureRequest& request, std::uint64_t capacity) {
+std::shared_ptr<StoredMesh> stored_mesh_of(const FractureRequest& request, std::uint64_t capacity,
+                                           const Execution& execution) {
   auto stored = std::make_shared<StoredMesh>();
   stored->digest = request.digest;
   stored->format = request.format;
@@ -40,7 +44,7 @@ std::shared_ptr<StoredMesh> stored_mesh_of(const FractureRequest& request, std::
   copy->reserve(size_of(request));
   const auto keep = [&](std::span<const std::byte>& bytes) {
     const std::size_t at = copy->size();
-    copy->insert(copy->end(), bytes.begin(), bytes.end());
+    append_with_polls(execution, *copy, bytes);
     bytes = std::span(*copy).subspan(at, bytes.size());
   };
   keep(stored->mesh);
@@ -50,7 +54,7 @@ std::shared_ptr<StoredMesh> stored_mesh_of(const FractureRequest& request, std::
   return stored;
 }
 
-std::shared_ptr<const StoredMesh> MeshStore::equal_of(const StoredMesh& mesh) {
+std::shared_ptr<const StoredMesh> MeshStore::equal_of(const StoredMesh& mesh, const Execution& execution) {
   std::shared_ptr<const StoredMesh> other;
   {
     const std::lock_guard lock(mutex_);
@@ -58,8 +62,14 @@ std::shared_ptr<const StoredMesh> MeshStore::equal_of(const StoredMesh& mesh) {
       other = found->mesh;
   }
   // Compares all bytes, because an equal digest alone must not give a client another client's mesh.
-  const auto same = [](std::span<const std::byte> a, std::span<const std::byte> b) {
-    return std::equal(a.begin(), a.end(), b.begin(), b.end());
+  const auto same = [&execution](std::span<const std::byte> a, std::span<const std::byte> b) {
+    if (a.size() != b.size()) return false;
+    for (std::size_t at = 0; at < a.size(); at += kBytesBetweenPolls) {
+      execution.poll();
+      if (std::memcmp(a.data() + at, b.data() + at, std::min(a.size() - at, kBytesBetweenPolls)) != 0)
+        return false;
+    }
+    return true;
   };
   if (!other || !same(mesh.mesh, other->mesh) || mesh.files.size() != other->files.size()) return nullptr;
   for (std::size_t k = 0; k < mesh.files.size(); ++k)
@@ -90,11 +100,11 @@ std::shared_ptr<const void> MeshStore::counted(const std::shared_ptr<Sum>& sum, 
 }
 
 MeshStore::Put MeshStore::put(std::shared_ptr<const StoredMesh> mesh, const Owner& owner,
-                              Clock::time_point now) {
+                              Clock::time_point now, const Execution& execution) {
   const std::uint64_t bytes = mesh->held(), shared = mesh->shared_bytes(), own = mesh->own_bytes();
   if (bytes > config_.quota_bytes) return Put::kOverQuota;
   if (bytes > owner.share) return Put::kOverShare;
-  const auto equal = equal_of(*mesh);
+  const auto equal = equal_of(*mesh, execution);
   if (equal) {
     auto with_its_bytes = std::make_shared<StoredMesh>(*mesh);
     with_its_bytes->owner = equal->owner;
@@ -160,6 +170,11 @@ std::shared_ptr<const StoredMesh> MeshStore::find(const std::string& digest, con
     return found->mesh;
   }
   return nullptr;
+}
+
+bool MeshStore::has(const std::string& digest) {
+  const std::lock_guard lock(mutex_);
+  return at(digest, "", Whose::kAnybodys) != entries_.end();
 }
 
 bool MeshStore::erase(const std::string& digest, const std::string& owner, Whose whose) {

@@ -55,8 +55,9 @@ struct StoredMesh {
 /// `capacity`: bytes that the owner keeps.
 bool is_kept_as_copy(const FractureRequest& request, std::uint64_t capacity);
 /// Returns a stored mesh with the request's digest, format, mesh and files. It keeps the request's owner, or a copy of mesh
-/// and files.
-std::shared_ptr<StoredMesh> stored_mesh_of(const FractureRequest& request, std::uint64_t capacity);
+/// and files. Polls while it copies. Throws Interrupted.
+std::shared_ptr<StoredMesh> stored_mesh_of(const FractureRequest& request, std::uint64_t capacity,
+                                           const Execution& execution = kUninterrupted);
 
 struct StoreFigures {
   std::uint64_t stored = 0;   ///< meshes that were stored
@@ -93,8 +94,10 @@ class MeshStore {
     kNoRoom,     ///< meshes that are in use leave too little of the quota for now
   };
   /// Stores a mesh. If the owner's share is used up, the owner's least recently used meshes are evicted. If the quota is used
-  /// up, meshes of the owner with the most bytes are evicted.
-  Put put(std::shared_ptr<const StoredMesh> mesh, const Owner& owner, Clock::time_point now = Clock::now());
+  /// up, meshes of the owner with the most bytes are evicted. Polls while it compares the bytes with a known mesh. Throws
+  /// Interrupted; then nothing was stored.
+  Put put(std::shared_ptr<const StoredMesh> mesh, const Owner& owner, Clock::time_point now = Clock::now(),
+          const Execution& execution = kUninterrupted);
   Put put(std::shared_ptr<const StoredMesh> mesh, Clock::time_point now = Clock::now()) {
     return put(std::move(mesh), {}, now);
   }
@@ -105,6 +108,8 @@ class MeshStore {
   std::shared_ptr<const StoredMesh> find(const std::string& digest, Clock::time_point now = Clock::now()) {
     return find(digest, "", Whose::kOwn, now);
   }
+  /// Returns whether any owner has a mesh with this digest, with which put() would compare the bytes. Not a use.
+  bool has(const std::string& digest);
   /// Removes the mesh of this owner, or of all owners. Returns false if there was none.
   bool erase(const std::string& digest, const std::string& owner = "", Whose whose = Whose::kOwn);
   /// Returns how many bytes this owner's meshes take.
@@ -145,7 +150,7 @@ class MeshStore {
   /// Evicts the least recently used mesh that is not in use, of the owner with the most bytes among those that have such a
   /// mesh. Returns false if there is none.
   bool remove_one_of_most();
-  std::shared_ptr<const StoredMesh> equal_of(const StoredMesh& mesh);
+  std::shared_ptr<const StoredMesh> equal_of(const StoredMesh& mesh, const Execution& execution);
   std::uint64_t bytes_of_locked(const std::string& owner) const;
   bool has_expired(const Entry& entry, Clock::time_point now) const {
     return entry.used + config_.ttl <= now;

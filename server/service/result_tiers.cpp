@@ -74,7 +74,7 @@ ResultTiers::Found ResultTiers::find(const std::string& key, const Room& room, c
     found.no_room = size && room && !room(kCopies * *size);
     if (found.no_room) return found;
     found.disk = CacheOutcome::kMissNotStored;
-    if (const auto stored = disk_->find(key)) {
+    if (const auto stored = disk_->find(key, execution)) {
       found.result = result_in(*stored, execution);
       if (!found.result) disk_->refuse(key);
     }
@@ -89,7 +89,7 @@ ResultTiers::Found ResultTiers::find(const std::string& key, const Room& room, c
       found.no_room = room && !room(kCopies * bytes);
       return !found.no_room;
     };
-    if (const auto stored = redis_->find(key, room_for_it)) {
+    if (const auto stored = redis_->find(key, room_for_it, execution)) {
       found.result = result_in(*stored, execution);
       if (!found.result) redis_->refuse();
     }

@@ -1,5 +1,5 @@
 // The cache tiers below memory, for results: this server's disk (L1), then a Redis that several servers share (L2).
-// Reading blocks and happens on a pool thread. Writing happens after the answer, on a separate thread, and clients take turns
+// Reads block, so they run on a pool thread. Writing happens after the answer, on a separate thread, and clients take turns
 // (fair_queue.hpp). If writing cannot keep up, results are dropped, because a cache may always miss. The client that
 // holds the most loses its newest result, as the longest queue does in McKenney 1990 ("Stochastic fairness queueing",
 // INFOCOM). Each client keeps its first result. A client that holds less loses results only for another client's first one.

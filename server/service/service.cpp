@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <string_view>
 #include <utility>
 
 #include "common/base/json_reader.hpp"
@@ -23,15 +24,6 @@ constexpr std::size_t kAnswerBytes = 4u << 20;
 
 std::size_t memory_size(const nlohmann::json& parameters) {
   return sizeof parameters + json_bytes(parameters);
-}
-std::size_t memory_size(const FractureResult& result) {
-  std::size_t bytes = sizeof result + result.file.capacity() + result.parameters.capacity();
-  if (!result.summary) return bytes;
-  for (const auto* list : {&result.summary->remarks.warnings, &result.summary->remarks.notes})
-    for (const std::string& sentence : *list) bytes += sizeof sentence + sentence.capacity();
-  for (const Dropped& entry : result.summary->dropped)
-    bytes += sizeof entry + entry.what.capacity() + entry.name.capacity() + entry.reason.capacity();
-  return bytes;
 }
 
 CacheOutcome stored(bool kept) { return kept ? CacheOutcome::kMissStored : CacheOutcome::kMissNotStored; }
@@ -70,7 +62,7 @@ Expected<FractureParameters> for_mesh(const RequestParameters& asked, const Prep
 Error relative_to(const Vec3d& offset, Error error) {
   if (!(offset == Vec3d{}))
     error.detail +=
-        " All places are relative to " + to_text(offset) + ", because the mesh is far from its origin.";
+        " All positions are relative to " + to_text(offset) + ", because the mesh is far from its origin.";
   return error;
 }
 
@@ -137,10 +129,11 @@ Expected<RequestParameters> FractureService::parse(const std::vector<RawParamete
         answers_.insert(own->of, earlier, memory_size(*earlier));
       }
   if (!earlier)
-    return fail(ErrorCode::kNoSuchAnswer,
-                "This server does not know (or no longer knows) the answer sha256:" + own->of +
-                    ". Send the parameters that the answer contains instead of 'of': the result is the same.",
-                "of");
+    return fail(
+        ErrorCode::kNoSuchAnswer,
+        "This server does not have the answer sha256:" + own->of +
+            ", or no longer has it. Instead of 'of', send the parameters that the answer contains: the result is the same.",
+        "of");
   const auto all = on_earlier_answer(parameters_, given, *own, *earlier);
   if (!all) return tl::unexpected<Error>(all.error());
   Expected<RequestParameters> result = parameters_.parse(*all);
@@ -153,10 +146,20 @@ std::uint64_t FractureService::earlier_bytes(const std::vector<RawParameter>& gi
       std::find_if(given.begin(), given.end(), [](const RawParameter& raw) { return raw.name == "of"; });
   if (of == given.end() || !of->value.is_string()) return 0;
   const std::string key = answer_key_in(of->value.get_ref<const std::string&>());
-  if (const auto result = results_.peek(key)) return result->parameters.size();
+  // Each entry of `assign` is a whole set of parameters. As text, each is an object.
+  constexpr std::uint64_t kOfEntry = 100, kMostEntries = 64;
+  if (const auto result = results_.peek(key)) {
+    const auto head = std::string_view(result->parameters).substr(0, kOfEntry * kMostEntries);
+    const auto objects = static_cast<std::uint64_t>(std::count(head.begin(), head.end(), '{'));
+    return result->parameters.size() + kOfEntry * (std::max<std::uint64_t>(objects, 1) - 1);
+  }
   // In memory, a number in a list takes five times the size of its text, and a member of an object ten times.
   constexpr std::uint64_t kOfText = 8;
-  return answers_.size_of(key).value_or(0) / kOfText;
+  const auto kept = answers_.peek(key);
+  if (!kept) return 0;
+  const auto assign = kept->find("assign");
+  return answers_.size_of(key).value_or(0) / kOfText +
+         (assign != kept->end() ? kOfEntry * assign->size() : 0);
 }
 
 bool FractureService::fetch_result(const std::string& key, FractureAnswer& answer, const Room& room,
@@ -201,8 +204,8 @@ Expected<FractureAnswer> FractureService::fracture(const FractureRequest& reques
       mesh = std::move(*made);
     }
     if (execution.allowance)
-      if (auto error = cannot_fit(request.parameters, mesh.value->solid, execution.allowance->limit(),
-                                  config_.memory_setting))
+      if (auto error = cannot_fit(request.parameters, {mesh.value->solid, execution},
+                                  execution.allowance->limit(), config_.memory_setting))
         return tl::unexpected<Error>(std::move(*error));
     Step<CutBase> diagram{find_diagram(keys), CacheOutcome::kHit, {}};
     if (!diagram.value) {
@@ -301,8 +304,8 @@ Expected<Step<CutBase>> FractureService::make_diagram(const PreparedMesh& mesh,
     telling.within = &progress;
     Expected<CutBase> made = engine_->base(mesh.solid, *parameters, request.parameters.selection, telling);
     if (!made)
-      return tl::unexpected<Error>(
-          with_advice(std::move(made.error()), request.parameters, mesh.solid, config_.memory_setting));
+      return tl::unexpected<Error>(with_advice(std::move(made.error()), request.parameters,
+                                               {mesh.solid, execution}, config_.memory_setting));
     base = std::make_shared<const CutBase>(std::move(*made));
   }
   step.value = base;
@@ -333,8 +336,8 @@ Expected<FracturedSolid> FractureService::make_result(const PreparedMesh& mesh, 
   }();
   if (!cut) {
     if (cut.error().code == ErrorCode::kUnsound) failures_.add(keys.result, cut.error());
-    return tl::unexpected<Error>(
-        with_advice(std::move(cut.error()), request.parameters, mesh.solid, config_.memory_setting));
+    return tl::unexpected<Error>(with_advice(std::move(cut.error()), request.parameters,
+                                             {mesh.solid, execution}, config_.memory_setting));
   }
   FracturedSolid& fractured = cut->fractured;
   execution.poll();

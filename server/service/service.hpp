@@ -82,7 +82,8 @@ class FractureService {
   /// memory. Errors: those of ParameterTable::parse() and on_earlier_answer(); kNoSuchAnswer, even if the answer exists but
   /// the caller may not see it.
   Expected<RequestParameters> parse(const std::vector<RawParameter>& given, const MaySee& may_see = {});
-  /// Returns roughly how many bytes of parameters parse() takes over from the earlier answer; 0 if `given` names none.
+  /// Returns roughly how many bytes of parameters parse() takes over from the earlier answer; 0 if `given` names none. An
+  /// entry of `assign` counts as 100 bytes more, because it takes that long.
   std::uint64_t earlier_bytes(const std::vector<RawParameter>& given) const;
 
   /// Computes an answer, or finds it in a cache. Thread-safe and synchronous. Bad input, cancellation (kCancelled) and a
@@ -106,6 +107,8 @@ class FractureService {
     return diagrams_.peek(keys.diagram);
   }
   std::shared_ptr<const FractureResult> find_result(const std::string& key) { return results_.find(key); }
+  /// Returns whether the result is in memory; does not count as a request in the cache.
+  bool has_result(const std::string& key) const { return results_.size_of(key).has_value(); }
   /// Removes a result from memory, because nobody may use it any more.
   void forget_result(const std::string& key) {
     results_.erase(key);
@@ -177,5 +180,6 @@ Error to_error(const Interrupted& interrupted);
 std::size_t memory_size(const Mesh& mesh);
 std::size_t memory_size(const PreparedMesh& mesh);
 std::size_t memory_size(const CutBase& diagram);
+std::size_t memory_size(const FractureResult& result);
 
 }  // namespace fracture

@@ -39,6 +39,18 @@ struct Errands : testing::Test {
           ++given_up;
         });
   }
+  /// Needs 20 MiB of the dispatcher's memory, and does not wait for it.
+  std::optional<Error> run_without_waiting(Dispatcher& small) {
+    Terms terms;
+    terms.payer.flow = {"bob", 1};
+    terms.may_wait_for_memory = false;
+    return small.run(
+        {0.001, 20u << 20}, terms, [this](const Execution&) { ++ran; },
+        [this](const Error& error) {
+          why = error.code;
+          ++given_up;
+        });
+  }
   static Terms of(const std::string& name, std::uint64_t computations) {
     tenants::Shares shares;
     shares.computations = computations;
@@ -87,6 +99,42 @@ TEST_F(Errands, OneWhoseClientLeavesIsTakenOutOfTheQueue) {
   gate.count_down();
   dispatcher.wait_idle();
   EXPECT_EQ(ran, 1) << "the other one's";
+}
+
+TEST_F(Errands, OneThatContinuesAdmittedWorkIsAlsoTakenOutOfTheQueue) {
+  occupy();
+  std::stop_source gone;
+  Terms terms;
+  terms.gone = gone.get_token();
+  terms.is_computed = true;
+  ASSERT_FALSE(run(terms));
+  EXPECT_EQ(pool.queued(), 1u);
+  gone.request_stop();
+  EXPECT_EQ(given_up, 1);
+  EXPECT_EQ(pool.queued(), 0u);
+  gate.count_down();
+  dispatcher.wait_idle();
+  EXPECT_EQ(ran, 0);
+}
+
+TEST_F(Errands, OneThatMayNotWaitForMemoryIsGivenUpWhenItsTurnComes) {
+  Dispatcher small(service, pool, {.max_working_bytes = 64u << 20});  // 56 MiB for large reservations
+  occupy();
+  ASSERT_FALSE(run_without_waiting(small));
+  MemoryBudget::Reservation taken(small.working());
+  ASSERT_TRUE(taken.grow_to(50u << 20));
+  EXPECT_TRUE(run_without_waiting(small)) << "there is too little now";
+  gate.count_down();
+  small.wait_idle();
+  EXPECT_EQ(small.waiting_for_memory(), 0u);
+  EXPECT_EQ(ran, 0);
+  EXPECT_EQ(given_up, 1);
+  EXPECT_EQ(why.load(), ErrorCode::kOverloaded);
+  taken = {};
+  EXPECT_FALSE(run_without_waiting(small));
+  small.wait_idle();
+  EXPECT_EQ(ran, 1);
+  EXPECT_EQ(small.working().used(), 0u);
 }
 
 TEST_F(Errands, WhatRunsIsToldOfDeadlineAndLeaving) {

@@ -2,12 +2,17 @@
 // whole answer.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <atomic>
 #include <memory>
 #include <optional>
+#include <stop_token>
 #include <string>
+#include <vector>
 
+#include "common/base/bulk.hpp"
 #include "server/service/dispatcher.hpp"
+#include "server/service/estimate.hpp"
 #include "tests/server/support/engine_in_process.hpp"
 
 namespace fracture {
@@ -101,6 +106,59 @@ TEST_F(HitAdmissionTest, TheAnswerBeforeTheHitsIsHeldForIfItMustBeMade) {
   whole["seed"] = 2;
   address_of({{"sites", kCells}, {"seed", 2}, {"delta", "stated"}});
   EXPECT_LT(held_for(whole), kBytesOfCells / 4) << "they are kept";
+}
+
+/// Tetrahedra that touch nothing, in a row.
+std::shared_ptr<const std::string> tetrahedra(int count) {
+  std::string vertices, faces;
+  for (int k = 0; k < count; ++k) {
+    const std::string x = std::to_string(2 * k), x1 = std::to_string(2 * k + 1);
+    vertices += "v " + x + " 0 0\nv " + x1 + " 0 0\nv " + x + " 1 0\nv " + x + " 0 1\n";
+    const auto face = [&](int a, int b, int c) {
+      faces += "f " + std::to_string(4 * k + a) + " " + std::to_string(4 * k + b) + " " +
+               std::to_string(4 * k + c) + "\n";
+    };
+    face(1, 3, 2), face(1, 2, 4), face(1, 4, 3), face(2, 3, 4);
+  }
+  return std::make_shared<const std::string>(vertices + faces);
+}
+
+// Admission runs on the io thread. There, an estimate for many hits and parts took a second.
+TEST_F(HitAdmissionTest, ManyPairsOfHitsAndPartsAreEstimatedByThePool) {
+  FractureRequest asked = request(json{{"local_point", std::vector<std::array<int, 3>>(64, {5, 5, 5})},
+                                       {"local_radius", 9999},
+                                       {"local_sites", 9u}});
+  const auto text = tetrahedra(600);
+  asked.mesh = std::as_bytes(std::span(*text));
+  asked.owner = text;
+  for (std::size_t k = 0; k < asked.parameters.fracture.hits.size(); ++k)
+    asked.parameters.fracture.hits[k].point.x += 1e-3 * static_cast<double>(k);
+  asked.digest = digest_of(asked).hex();
+  std::shared_ptr<const PreparedMesh> mesh;
+  ASSERT_FALSE(dispatcher.prepare(asked, {}, [&](auto prepared) { mesh = prepared.value(); }));
+  dispatcher.wait_idle();
+  ASSERT_TRUE(mesh);
+  ASSERT_EQ(mesh->solid.parts.size(), 600u);
+  const auto exceeds = [](const auto& work) {
+    BulkLimit limit(128u << 10);  // http::kMostInTurn
+    limit_bulk(&limit);
+    begin_bulk_turn();
+    work();
+    limit_bulk(nullptr);
+    return limit.exceeded > 0;
+  };
+  EXPECT_TRUE(exceeds([&] { cannot_fit(asked.parameters, mesh->solid, dispatcher.most_bytes()); }))
+      << "38,400 pairs";
+  std::stop_source gone;
+  Terms terms;
+  terms.gone = gone.get_token();
+  std::atomic<bool> replied{false};
+  EXPECT_FALSE(exceeds([&] {
+    EXPECT_FALSE(dispatcher.fracture(asked, terms, [&](const Expected<FractureAnswer>&) { replied = true; }));
+  }));
+  gone.request_stop();
+  dispatcher.wait_idle();
+  EXPECT_TRUE(replied);
 }
 
 }  // namespace

@@ -18,6 +18,33 @@ using Put = MeshStore::Put;
 /// The memory of a stored mesh apart from its bytes.
 const std::uint64_t kAround = stored_mesh("a", 1)->held() - 1;
 
+// Each for each quarter of a mebibyte.
+TEST(MeshStore, ComparingAndCopyingPoll) {
+  constexpr std::size_t kSize = std::size_t{8} << 20;
+  int polls = 0;
+  Execution execution;
+  execution.watch = [&polls] { ++polls; };
+  MeshStore store({.quota_bytes = 100u << 20});
+  const auto put = [&](const std::string& owner) {
+    return store.put(stored_mesh("a", kSize), {owner}, MeshStore::Clock::now(), execution);
+  };
+  EXPECT_EQ(put("ana"), Put::kCreated);
+  EXPECT_EQ(polls, 0) << "there is nothing to compare with";
+  EXPECT_EQ(put("bob"), Put::kCreated);
+  EXPECT_EQ(polls, 32);
+  EXPECT_LT(store.figures().bytes, 2 * kSize) << "equal bytes are kept once";
+
+  polls = 0;
+  const auto mesh = stored_mesh("b", kSize);
+  FractureRequest request;
+  request.mesh = mesh->mesh;
+  request.owner = mesh->owner;
+  const auto copy = stored_mesh_of(request, 2 * kSize, execution);
+  EXPECT_EQ(polls, 32);
+  EXPECT_TRUE(copy->owner != mesh->owner);
+  EXPECT_EQ(copy->mesh.size(), kSize);
+}
+
 TEST(MeshStore, TheLeastRecentlyUsedLeavesWhenTheQuotaIsReached) {
   MeshStore store({.quota_bytes = 100 + 2 * kAround, .ttl = seconds(1000)});
   EXPECT_EQ(store.put(stored_mesh("a", 40)), Put::kCreated);

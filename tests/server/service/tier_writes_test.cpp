@@ -59,6 +59,26 @@ struct TierWrites : testing::Test {
     for (const std::string& key : redis.written()) names.push_back(key.substr(key.size() - 2));
     return names;
   }
+  struct Made {
+    std::string key;
+    CacheOutcome redis;
+  };
+  /// Asks for an answer on behalf of a client.
+  static Made answer_for(Dispatcher& dispatcher, const std::string& client, std::uint64_t seed) {
+    Terms terms;
+    terms.payer.flow.name = client;
+    Made made{};
+    const auto refused =
+        dispatcher.fracture(fracture_request("mesh", seed), terms, [&made](const auto& answer) {
+          if (answer)
+            made = {answer->result->key, answer->redis_cache};
+          else
+            ADD_FAILURE() << answer.error().detail;
+        });
+    EXPECT_FALSE(refused);
+    dispatcher.wait_idle();
+    return made;
+  }
 };
 
 TEST_F(TierWrites, TheFloodOfOneDelaysAnotherByOneWriteOnly) {
@@ -146,6 +166,48 @@ TEST_F(TierWrites, ARequestsAnswerIsWrittenAtTheTurnOfItsClient) {
   redis.open();
   service.tiers().flush();
   EXPECT_EQ(redis.written(), (Keys{made[0].second, made[3].second, made[1].second, made[2].second}));
+}
+
+/// Ten answers of 1 MiB may wait for the disk. A reader with more loses its newest for another reader's first.
+TEST_F(TierWrites, AnAnswerFromRedisIsWrittenToTheDiskAtTheTurnOfItsReader) {
+  const auto control = std::make_shared<FakeControl>();
+  control->glb_padding = kMiB;
+  ServiceConfig with;
+  with.tiers = config;
+  redis.open();
+  {
+    FractureService service(with, std::make_unique<FakeEngine>(control));
+    WorkerPool pool(1, 100);
+    Dispatcher dispatcher(service, pool);
+    for (std::uint64_t seed = 1; seed <= 13; ++seed) {
+      answer_for(dispatcher, "name of another server", seed);
+      service.tiers().flush();
+    }
+  }
+  ASSERT_EQ(redis.written().size(), 13u);
+  redis.close();
+  with.tiers.folder = folder / "cache";
+  FractureService service(with, std::make_unique<FakeEngine>(control));
+  WorkerPool pool(1, 100);
+  Dispatcher dispatcher(service, pool);
+  answer_for(dispatcher, "name eve", 14);  // computed; while Redis does not answer, nothing else is written
+  EXPECT_TRUE(eventually(kPatience, "the first write", [&] { return redis.written().size() == 14; }));
+  std::vector<std::string> anas;
+  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+    const Made made = answer_for(dispatcher, "name ana", seed);
+    EXPECT_EQ(made.redis, CacheOutcome::kHit) << seed;
+    anas.push_back(made.key);
+  }
+  EXPECT_EQ(service.tiers().figures().dropped, 2u) << "her last two, because ten wait";
+  const Made bobs = answer_for(dispatcher, "name bob", 13);
+  EXPECT_EQ(bobs.redis, CacheOutcome::kHit);
+  EXPECT_EQ(service.tiers().figures().dropped, 3u);
+  redis.open();
+  service.tiers().flush();
+  EXPECT_TRUE(service.tiers().on_disk(bobs.key));
+  for (std::size_t k = 0; k < anas.size(); ++k) EXPECT_EQ(service.tiers().on_disk(anas[k]), k < 9) << k;
+  EXPECT_EQ(redis.written().size(), 14u) << "answers from Redis are not written to it again";
+  EXPECT_EQ(control->cuts, 14);
 }
 
 }  // namespace

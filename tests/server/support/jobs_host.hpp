@@ -94,9 +94,11 @@ struct JobsHost {
   Jobs jobs;
 };
 
-/// Leaves a job in the folder of a JobsHost, as an earlier process would. Returns its id.
+/// Leaves a job in the folder of a JobsHost, as an earlier process would. Without a client, the record is one of
+/// an earlier release. Returns its id.
 inline std::string leave_job(const std::string& folder, std::uint64_t seed, const std::string& owner = "",
-                             std::chrono::milliseconds patience = std::chrono::minutes(10)) {
+                             std::chrono::milliseconds patience = std::chrono::minutes(10),
+                             const std::string& client = "") {
   const FractureRequest request = fracture_request("mesh", seed);
   const RequestKeys keys = keys_of(request);
   JobRecord record;
@@ -104,6 +106,7 @@ inline std::string leave_job(const std::string& folder, std::uint64_t seed, cons
   std::snprintf(number, sizeof number, "%016llx", static_cast<unsigned long long>(seed));
   record.id = keys.digest.substr(0, 16) + "-" + number;
   record.owner = owner;
+  record.client = client;
   record.created += std::chrono::seconds(1'700'000'000 + seed);
   record.patience = patience;
   record.digest = keys.digest;

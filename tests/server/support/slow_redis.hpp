@@ -1,4 +1,4 @@
-// A Redis that is slow to write: it answers a SET only when the test allows it. It keeps nothing, so every GET is a miss.
+// A Redis that is slow to write: it answers a SET only when the test allows it. A GET finds what was written before.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -9,6 +9,7 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdio>
+#include <map>
 #include <mutex>
 #include <stdexcept>
 #include <string>
@@ -52,6 +53,8 @@ class SlowRedis {
 
   /// From now on, it answers every SET at once.
   void open() { open_ = true; }
+  /// From now on, it answers no SET.
+  void close() { open_ = false; }
   /// The keys of all SET commands that have arrived, in their order.
   std::vector<std::string> written() const {
     const std::lock_guard lock(mutex_);
@@ -78,6 +81,16 @@ class SlowRedis {
     }
     return words;
   }
+  std::string reply_to(const std::vector<std::string>& words) {
+    const std::lock_guard lock(mutex_);
+    if (words[0] == "SET") {
+      values_[words.at(1)] = words.at(2);
+      return "+OK\r\n";
+    }
+    const auto value = values_.find(words.at(1));
+    if (value == values_.end()) return "$-1\r\n";
+    return "$" + std::to_string(value->second.size()) + "\r\n" + value->second + "\r\n";
+  }
   void serve(std::FILE* stream) {
     for (std::vector<std::string> words; words = command(stream), !words.empty();) {
       if (words[0] == "SET") {
@@ -87,7 +100,7 @@ class SlowRedis {
         }
         EXPECT_TRUE(eventually(kPatience, "the test to open this Redis", [this] { return open_.load(); }));
       }
-      const std::string reply = words[0] == "SET" ? "+OK\r\n" : "$-1\r\n";
+      const std::string reply = reply_to(words);
       (void)!::send(::fileno(stream), reply.data(), reply.size(), MSG_NOSIGNAL);
     }
   }
@@ -96,6 +109,7 @@ class SlowRedis {
   mutable std::mutex mutex_;
   std::atomic<bool> open_{false};
   std::vector<std::string> written_;
+  std::map<std::string, std::string> values_;
   std::vector<std::FILE*> streams_;
   std::vector<std::thread> threads_;
   std::thread acceptor_;
