@@ -103,7 +103,7 @@ class DiskWork {
       try {
         call.call();
       } catch (const std::exception& e) {
-        spdlog::error("work for the disk was given up: {}", e.what());
+        spdlog::error("work for the disk failed and was abandoned: {}", e.what());
       }
       call.call = nullptr;  // destroys what the call captured, without the lock
       const std::chrono::duration<double> used = std::chrono::steady_clock::now() - begin;

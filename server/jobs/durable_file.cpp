@@ -25,7 +25,7 @@ bool write_durably(const std::string& temporary, const std::string& path, std::s
                    std::span<const std::span<const std::byte>> parts) {
   AtomicFile file;
   bool good =
-      file.open(path, {.temporary = temporary, .mode = 0644}) && file.append(std::as_bytes(std::span(head)));
+      file.open(path, {.temporary = temporary, .mode = 0600}) && file.append(std::as_bytes(std::span(head)));
   for (const std::span<const std::byte> part : parts) good = good && file.append_paced(part);
   return good && file.commit() && flush_folder_of(path);
 }

@@ -12,7 +12,8 @@
 namespace fracture {
 
 /// Writes `head` and the parts to `temporary`, flushes it to disk, renames it to `path`, and flushes the
-/// folder of `path`. Returns false and sets errno on failure; `temporary` is then deleted.
+/// folder of `path`. Only the server's user can read the file, because jobs name clients and contain their
+/// meshes. Returns false and sets errno on failure; `temporary` is then deleted.
 bool write_durably(const std::string& temporary, const std::string& path, std::string_view head,
                    std::span<const std::span<const std::byte>> parts);
 

@@ -56,8 +56,12 @@ Expected<bool> JobFolder::take() {
   if (!taken || !*taken) return taken;
   try {
     fs::remove_all(config_.folder + "/tmp");
-    for (const char* kind : {"tmp", "quarantine", kRecords, kMeshes, kBegun})
-      fs::create_directories(config_.folder + "/" + kind);
+    for (const char* kind : {"tmp", "quarantine", kRecords, kMeshes, kBegun}) {
+      const std::string folder = config_.folder + "/" + kind;
+      fs::create_directories(folder);
+      std::error_code not_ours;  // also closes files of earlier releases, which all users could read
+      fs::permissions(folder, fs::perms::owner_all, not_ours);
+    }
   } catch (const fs::filesystem_error& e) {
     return tl::unexpected<Error>(unusable_folder(config_.folder, e));
   }
@@ -96,7 +100,7 @@ std::vector<JobFolder::Found> JobFolder::restore() {
       }
       {
         const std::lock_guard lock(mutex_);
-        take_place(*record, size_of(path(kRecords, id)), "");
+        take_place(*record, size_of(path(kRecords, id)));
         if (open) meshes_[record->digest].written = is_file(path(kMeshes, record->digest));
       }
       record->parameters = nlohmann::json::object();
@@ -126,7 +130,7 @@ void JobFolder::keep_files(const char* kind, const std::set<std::string>& wanted
 
 // -- space
 
-JobFolder::Room JobFolder::reserve(const JobRecord& record, std::uint64_t share, const std::string& client) {
+JobFolder::Room JobFolder::reserve(const JobRecord& record, std::uint64_t share) {
   std::uint64_t own = 0;
   try {
     own = encode_record(record).size();
@@ -142,33 +146,33 @@ JobFolder::Room JobFolder::reserve(const JobRecord& record, std::uint64_t share,
   const bool there = mesh != meshes_.end(), theirs = there && mesh->second.needed.contains(record.owner);
   if (bytes_of_locked(record.owner) + (theirs ? own : all) > share) return Room::kOverShare;
   const FairShare fair{config_.max_bytes, config_.max_bytes / 2};
-  const std::uint64_t of_client = bytes_of_client(client, record) + own,
-                      used = figures_.bytes + (there ? own : all);
+  const std::uint64_t of_client = bytes_of_client(record) + own, used = figures_.bytes + (there ? own : all);
   const bool alone = of_client == all;
   std::set<std::string_view> others;
   for (const auto& [id, place] : places_)
-    if (place.client != client) others.insert(place.client);
-  if (client.empty() ? used > fair.capacity : !fair.allows(of_client, used, others.size(), alone))
-    return !client.empty() && !alone && (used <= fair.capacity || of_client > fair.share) ? Room::kOverPart
-                                                                                          : Room::kFull;
-  take_place(record, own, client);
+    if (place.client != record.client) others.insert(place.client);
+  if (record.client.empty() ? used > fair.capacity : !fair.allows(of_client, used, others.size(), alone))
+    return !record.client.empty() && !alone && (used <= fair.capacity || of_client > fair.share)
+               ? Room::kOverPart
+               : Room::kFull;
+  take_place(record, own);
   return Room::kThere;
 }
 
-std::uint64_t JobFolder::bytes_of_client(const std::string& client, const JobRecord& with) const {
+std::uint64_t JobFolder::bytes_of_client(const JobRecord& with) const {
   std::uint64_t bytes = charged(with.mesh_bytes);
   std::set<std::string_view> meshes{with.digest};
   for (const auto& [id, place] : places_) {
-    if (place.client != client) continue;
+    if (place.client != with.client) continue;
     bytes += place.bytes;
     if (!place.digest.empty() && meshes.insert(place.digest).second) bytes += meshes_.at(place.digest).bytes;
   }
   return bytes;
 }
 
-void JobFolder::take_place(const JobRecord& record, std::uint64_t record_bytes, const std::string& client) {
+void JobFolder::take_place(const JobRecord& record, std::uint64_t record_bytes) {
   Place& place = places_[record.id];
-  place = {record.owner, client, {}, charged(record_bytes)};
+  place = {record.owner, record.client, {}, charged(record_bytes)};
   figures_.bytes += place.bytes;
   if (record.state != JobState::kQueued) return;
   place.digest = record.digest;
@@ -177,16 +181,33 @@ void JobFolder::take_place(const JobRecord& record, std::uint64_t record_bytes, 
   ++mesh.needed[record.owner];
 }
 
-void JobFolder::let_mesh_go(Place& place) {
+JobFolder::Unneeded JobFolder::let_mesh_go(Place& place) {
   const auto mesh = meshes_.find(std::exchange(place.digest, {}));
-  if (mesh == meshes_.end()) return;
+  if (mesh == meshes_.end()) return {};
   const auto needed = mesh->second.needed.find(place.owner);
   if (needed != mesh->second.needed.end() && --needed->second == 0) mesh->second.needed.erase(needed);
-  if (!mesh->second.needed.empty()) return;
-  // Under the lock: a job that needs this mesh later writes it again.
-  if (mesh->second.written) ::unlink(path(kMeshes, mesh->first).c_str());
-  figures_.bytes -= mesh->second.bytes;
+  if (!mesh->second.needed.empty()) return {};
+  Unneeded unneeded;
+  // Renamed under the lock: a job that needs this mesh later writes a new file under the old name.
+  if (mesh->second.written) {
+    unneeded = {config_.folder + "/tmp/" + std::to_string(next_temporary_++), mesh->second.bytes};
+    const std::string file = path(kMeshes, mesh->first);
+    if (::rename(file.c_str(), unneeded.path.c_str()) != 0) {
+      ::unlink(file.c_str());
+      unneeded = {};
+    }
+  }
+  if (unneeded.path.empty()) figures_.bytes -= mesh->second.bytes;
   meshes_.erase(mesh);
+  return unneeded;
+}
+
+void JobFolder::delete_mesh(const Unneeded& mesh) {
+  if (mesh.path.empty()) return;
+  if (config_.before_delete) config_.before_delete();
+  ::unlink(mesh.path.c_str());
+  const std::lock_guard lock(mutex_);
+  figures_.bytes -= mesh.bytes;
 }
 
 std::uint64_t JobFolder::bytes_of_locked(const std::string& owner) const {
@@ -272,8 +293,13 @@ bool JobFolder::write(const JobRecord& record, const FractureRequest& request) {
 bool JobFolder::write_end(const JobRecord& record) {
   if (!put_record(record)) return false;
   ::unlink(path(kBegun, record.id).c_str());
-  const std::lock_guard lock(mutex_);
-  if (const auto place = places_.find(record.id); place != places_.end()) let_mesh_go(place->second);
+  Unneeded unneeded;
+  {
+    const std::lock_guard lock(mutex_);
+    if (const auto place = places_.find(record.id); place != places_.end())
+      unneeded = let_mesh_go(place->second);
+  }
+  delete_mesh(unneeded);
   return true;
 }
 
@@ -281,12 +307,16 @@ void JobFolder::remove(const std::string& id) {
   // Delete the record first: a mark without a record has no meaning.
   ::unlink(path(kRecords, id).c_str());
   ::unlink(path(kBegun, id).c_str());
-  const std::lock_guard lock(mutex_);
-  const auto place = places_.find(id);
-  if (place == places_.end()) return;
-  let_mesh_go(place->second);
-  figures_.bytes -= place->second.bytes;
-  places_.erase(place);
+  Unneeded unneeded;
+  {
+    const std::lock_guard lock(mutex_);
+    const auto place = places_.find(id);
+    if (place == places_.end()) return;
+    unneeded = let_mesh_go(place->second);
+    figures_.bytes -= place->second.bytes;
+    places_.erase(place);
+  }
+  delete_mesh(unneeded);
 }
 
 std::optional<KeptMesh> JobFolder::read_mesh(const std::string& digest) {
@@ -324,7 +354,7 @@ void JobFolder::put_aside(const char* kind, const std::string& name) {
 void JobFolder::begun(const std::string& id) noexcept {
   // O_NONBLOCK: otherwise open() would wait for a reader of a FIFO.
   const int file = ::open(path(kBegun, id).c_str(),
-                          O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0644);
+                          O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0600);
   if (file < 0) return;
   if (::write(file, "x", 1) != 1) errno = 0;  // on failure, this attempt is not counted
   ::close(file);

@@ -12,6 +12,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <mutex>
 #include <optional>
@@ -36,6 +37,7 @@ struct JobFolderConfig {
   /// by their digest.
   FarmKeys keys{};
   std::size_t max_jobs = 1000;  ///< limit for restore(); further jobs remain on disk for a later start
+  std::function<void()> before_delete{};  ///< called before a mesh is deleted; tests hold the deletion here
 };
 
 struct JobFolderFigures {
@@ -79,9 +81,9 @@ class JobFolder {
     kTooLarge,   ///< larger than the folder or the share, even if they were empty
     kUnfit,      ///< cannot be stored: a text in it is not UTF-8, or it is too large
   };
-  /// Reserves a place for a job until remove(). It is charged to the client; an empty client has no part.
-  /// Does not access the disk.
-  Room reserve(const JobRecord& record, std::uint64_t share, const std::string& client = "");
+  /// Reserves a place for a job until remove(). It is charged to the record's client; an empty client has no
+  /// part. Does not access the disk.
+  Room reserve(const JobRecord& record, std::uint64_t share);
   /// Writes the mesh and the record of a job. Returns false on failure. Blocks.
   bool write(const JobRecord& record, const FractureRequest& request);
   /// Reads the record of an unfinished job, as write() stored it. Returns nothing if it is missing or
@@ -115,6 +117,12 @@ class JobFolder {
     std::map<std::string, std::size_t> needed;  ///< number of jobs per owner that need it
   };
 
+  /// A mesh file that is no longer needed, under a temporary name. Its bytes count until it is deleted.
+  struct Unneeded {
+    std::string path;  ///< empty: nothing to delete
+    std::uint64_t bytes = 0;
+  };
+
   std::string path(const char* kind, const std::string& name) const {
     return config_.folder + "/" + kind + "/" + name;
   }
@@ -127,12 +135,15 @@ class JobFolder {
   void put_aside(const char* kind, const std::string& name);
   /// Deletes all files except the wanted ones, and puts aside everything that is not a file.
   void keep_files(const char* kind, const std::set<std::string>& wanted);
+  /// Call without the lock, because deleting a large file takes long. Blocks.
+  void delete_mesh(const Unneeded& mesh);
   // The following functions need the lock.
-  void take_place(const JobRecord& record, std::uint64_t record_bytes, const std::string& client);
-  /// Returns the bytes of this client's jobs, counting each mesh once, including the mesh of the new job
+  void take_place(const JobRecord& record, std::uint64_t record_bytes);
+  /// Returns the bytes of this client's jobs, counting each mesh once, including the mesh of its new job
   /// `with`.
-  std::uint64_t bytes_of_client(const std::string& client, const JobRecord& with) const;
-  void let_mesh_go(Place& place);
+  std::uint64_t bytes_of_client(const JobRecord& with) const;
+  /// The place needs its mesh no longer. The caller passes the result to delete_mesh().
+  [[nodiscard]] Unneeded let_mesh_go(Place& place);
   std::uint64_t bytes_of_locked(const std::string& owner) const;
 
   const JobFolderConfig config_;

@@ -37,7 +37,8 @@ constexpr std::int64_t kLastTime = 253'402'300'799'999'999;
 constexpr std::int64_t kMostPatience = 86'400'000;
 /// The largest value of --max-body.
 constexpr std::uint64_t kMostMeshBytes = 1ull << 40;
-/// A name in a token file has at most 64 bytes; the detail of an error has a few sentences.
+/// A name in a token file has at most 64 bytes, and a client's key a few more; the detail of an error has a few
+/// sentences.
 constexpr std::size_t kMostOwner = 1024, kMostDetail = 64u << 10;
 
 /// Thrown for input that encode_record() never writes.
@@ -83,6 +84,10 @@ JobRecord record_of(const json& j) {
   r.id = text_at(j, "id", kMostOwner);
   require(is_job_id(r.id));
   r.owner = text_at(j, "owner", kMostOwner);
+  if (j.contains("client")) {
+    r.client = text_at(j, "client", kMostOwner);
+    require(!r.client.empty());
+  }
   const auto state = job_state_named(text_at(j, "state", kHex));
   require(state.has_value());
   r.state = *state;
@@ -163,6 +168,7 @@ std::string encode_record(const JobRecord& r) {
             {"triangles", r.triangles},
             {"parameters", r.parameters},
             {"result", r.result_key}};
+  if (!r.client.empty()) j["client"] = r.client;
   if (r.finished_at) j["finished"] = r.finished_at->time_since_epoch().count();
   if (r.error)
     j["error"] = {{"code", slug(r.error->code)},

@@ -21,6 +21,10 @@ namespace fracture {
 
 struct JobRecord {
   std::string id, owner;
+  /// Key of the client that pays (Flow::name): a name, or an address (IPv6: its /64). The address is not hashed,
+  /// because there are so few IPv4 addresses that a hash is easy to undo, even with a salt in the same folder.
+  /// Empty if unknown, as in records of algorithm 27.
+  std::string client{};
   JobState state = JobState::kQueued;  ///< kQueued: not finished, as far as the disk knows
   std::chrono::sys_time<std::chrono::microseconds> created{};
   std::optional<std::chrono::sys_time<std::chrono::microseconds>> finished_at{};

@@ -1,5 +1,5 @@
 // The life of a job in this process. Related files: jobs_disk.cpp stores jobs, jobs_resume.cpp continues
-// those from an earlier process, and jobs_watch.cpp shows them to clients.
+// those from an earlier process, jobs_watch.cpp shows them to clients, and jobs_results.cpp finds their results.
 #include "server/jobs/jobs.hpp"
 
 #include <algorithm>
@@ -58,9 +58,8 @@ std::optional<Error> Jobs::start(FractureRequest request, Terms terms, const Own
   const auto job = std::make_shared<Job>();
   job->view.id = job->record.id = keys->digest.substr(0, 16) + "-" + random_digits();
   job->view.owner = job->record.owner = owner.name;
-  job->holder = terms.payer.flow.name;
   job->view.result_key = job->record.result_key = keys->result;
-  job->client = terms.payer.flow.name;
+  job->client = job->holder = job->record.client = terms.payer.flow.name;
   {
     const std::lock_guard lock(mutex_);
     make_room();
@@ -111,7 +110,7 @@ std::optional<Error> Jobs::begin(const Shared& job, FractureRequest request, Ter
   job->request = request;  // until it is on disk
   if (auto overload = submit(job, std::move(request), std::move(terms))) return overload;
   if (!written) {
-    accepted(look_at(*job));
+    accepted(look_at(job));
     return std::nullopt;
   }
   disk_.run(job->client, [this, job, written = std::move(written), accepted = std::move(accepted)] {
@@ -120,13 +119,13 @@ std::optional<Error> Jobs::begin(const Shared& job, FractureRequest request, Ter
     } catch (const std::exception&) {  // out of memory for the record: compute the job anyway
       not_durable(job);
     }
-    accepted(look_at(*job));
+    accepted(look_at(job));
   });
   return std::nullopt;
 }
 
 std::optional<Error> Jobs::room_for(const Shared& job, const JobRecord& record, std::uint64_t share) {
-  switch (folder_->reserve(record, share, job->holder)) {
+  switch (folder_->reserve(record, share)) {
     case JobFolder::Room::kThere: {
       const std::lock_guard lock(mutex_);
       job->kept = true;
@@ -248,6 +247,8 @@ void Jobs::ended(const Shared& job) {
   record.finished_at = job->view.finished_at;
   record.error = job->view.error;
   disk_.run(job->client, [this, job, answer = job->view.answer] { persist_end(job, answer); });
+  job->writes_end = true;  // the disk work waits for the lock
+  job->being_written = job->view.answer;
 }
 
 // -- ending jobs
@@ -276,8 +277,8 @@ bool Jobs::cancel(const std::string& id) {
 void Jobs::fail_locked(const Shared& job, Error error) {
   if (error.code == ErrorCode::kDeadlineExceeded)
     error.detail =
-        "The job was stopped because its deadline passed. That is the request's Request-Timeout, or at most the server's "
-        "--job-deadline of " +
+        "The job was stopped because its deadline passed. The deadline is the request's Request-Timeout, but at most the "
+        "server's --job-deadline of " +
         short_number(static_cast<double>(config_.deadline.count()) / 1000) +
         " s. Ask for fewer sites, send a smaller mesh, or allow more time.";
   const Counted recount(*this, *job);

@@ -83,7 +83,8 @@ class Jobs {
   std::optional<Error> start(FractureRequest request, Terms terms, const Owner& owner,
                              std::function<void(const JobView&)> accepted);
 
-  /// Returns the terms for an owner's jobs: whom they are charged to, and who is told of their answers.
+  /// Returns the terms for an owner's jobs: whom they are charged to, and who is told of their answers. If there
+  /// is no account, a job is charged to the client in its record; the returned flow is for records without one.
   using TermsOf = std::function<Terms(const std::string& owner)>;
   /// Starts computing the jobs from the folder, a few at a time. `terms_of` is called from any thread, but
   /// not after stop(). `known` is called for each job that was already done, now or in take_folder(), because
@@ -123,6 +124,14 @@ class Jobs {
   bool cancel(const std::string& id);
   /// Returns a result that is kept for a job, by its key, or null.
   std::shared_ptr<const FractureResult> find_result(const std::string& key);
+  /// Returns whether this owner has a done job with this result. The owner may then fetch it.
+  bool has_result(const std::string& owner, const std::string& key);
+  /// Returns whether the result is that of a done job, or will be that of an unfinished one, whoever owns it.
+  bool needs_result(const std::string& key);
+  /// For a result that was not found. Returns kJobLost if a job with an owner for whom `sees` is true has promised
+  /// it. `nowhere`: all tiers were read, and none has it.
+  std::optional<Error> lost_result(const std::string& key,
+                                   const std::function<bool(const std::string& owner)>& sees, bool nowhere);
 
   /// Forgets expired jobs and retries those that could not be resumed.
   void sweep();
@@ -149,10 +158,14 @@ class Jobs {
     WatchId id;
     std::function<void(const JobView&)> changed;
   };
+  struct Job;
+  using Shared = std::shared_ptr<Job>;
+  using ByResult = std::multimap<std::string, Shared>;
   struct Job {
     JobView view;
-    std::string client{};  ///< the client in DiskWork under which all its disk work runs
-    std::string holder{};  ///< the flow that pays for it
+    ByResult::iterator by_result{};  ///< while it is known
+    std::string client{};            ///< the client in DiskWork under which all its disk work runs
+    std::string holder{};            ///< the flow that pays for it
     /// The record that is or would be on disk, but without the parameters. Those can be a megabyte, and the
     /// memory for them is not charged to the job. They are in `request` or on disk.
     JobRecord record;
@@ -164,9 +177,11 @@ class Jobs {
     std::uint64_t resumed_bytes = 0;  ///< of its mesh, read from disk
     bool kept = false;                ///< has a place in the folder
     bool written_end = false;         ///< the outcome is on disk; used only by disk work
-    bool marked = false;              ///< the folder has this process's mark
-    bool waiting = false;             ///< for pump(): from an earlier process, or stopped for lack of memory
-    bool computing = false;           ///< submitted by pump()
+    bool writes_end = false;  ///< the outcome will be written; until then, the disk work has the result
+    std::weak_ptr<const FractureAnswer> being_written;  ///< the answer that the disk work has
+    bool marked = false;                                ///< the folder has this process's mark
+    bool waiting = false;    ///< for pump(): from an earlier process, or stopped for lack of memory
+    bool computing = false;  ///< submitted by pump()
     /// The request while it is not on disk, together with the memory that it has reserved.
     std::optional<FractureRequest> request;
     std::optional<Terms> terms;  ///< terms of its last submission in this process; empty: not submitted
@@ -183,12 +198,15 @@ class Jobs {
     std::uint64_t result_bytes = 0, pinned_bytes = 0;
   };
   class Counted;
-  using Shared = std::shared_ptr<Job>;
   using Calls = std::vector<std::function<void()>>;
 
   Shared get(const std::string& id);
-  /// Acquires the lock.
-  JobView look_at(const Job& job);
+  /// Acquires the lock. Checks the job's result (check_result).
+  JobView look_at(const Shared& job);
+  /// Fails a done job whose result has left memory and is in no tier. Call without the lock, because the disk
+  /// tier may make this thread wait.
+  /// Returns whether it has just failed the job.
+  bool check_result(const Shared& job);
   /// Fills in the queue positions of queued jobs. Call without the lock.
   void place(std::vector<JobView>& views);
   /// The part of start() after the job was inserted.
@@ -248,8 +266,12 @@ class Jobs {
   std::list<Shared>::iterator oldest_of(const std::string& holder, bool (*wanted)(const Job&));
   /// Returns that job of the holder with the largest sum.
   Job& oldest_of_most(std::uint64_t Held::*sum, bool (*wanted)(const Job&));
+  /// Returns whether the job is done and does not hold its result in memory or in the write to the disk.
+  static bool let_result_go(const Job& job);
   /// Inserts the job in order of creation.
   void insert(const Shared& job);
+  /// Changes the key of the job's result.
+  void set_result_key(Job& job, const std::string& key);
   void count(const Job& job, bool held);
   void hand_over(Job& job, const std::string& holder);
 
@@ -261,6 +283,7 @@ class Jobs {
   mutable std::mutex mutex_;
   std::list<Shared> jobs_;  // oldest first
   std::unordered_map<std::string, std::list<Shared>::iterator> index_;
+  ByResult by_result_;                // by JobView::result_key
   std::map<std::string, Held> held_;  // by holder; only holders with jobs
   JobFigures figures_;
   WatchId next_watch_ = 1;

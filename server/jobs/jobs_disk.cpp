@@ -37,6 +37,15 @@ void Jobs::not_durable(const Shared& job) {
 }
 
 void Jobs::persist_end(const Shared& job, const std::shared_ptr<const FractureAnswer>& answer) {
+  /// Says at the end that the disk work has the result no longer.
+  struct AtEnd {
+    Jobs& jobs;
+    const Shared& job;
+    ~AtEnd() {
+      const std::lock_guard lock(jobs.mutex_);
+      job->writes_end = false;
+    }
+  } const at_end{*this, job};
   JobRecord record;
   bool marked = false;
   {

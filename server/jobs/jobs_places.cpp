@@ -47,8 +47,15 @@ void Jobs::insert(const Shared& job) {
   while (at != jobs_.begin() && (*std::prev(at))->view.created > job->view.created) --at;
   at = jobs_.insert(at, job);
   try {
+    job->by_result = by_result_.emplace(job->view.result_key, job);
+  } catch (const std::bad_alloc&) {
+    jobs_.erase(at);
+    throw;
+  }
+  try {
     index_.emplace(job->view.id, at);
   } catch (const std::bad_alloc&) {
+    by_result_.erase(job->by_result);
     jobs_.erase(at);
     throw;
   }
@@ -62,8 +69,19 @@ void Jobs::forget(std::list<Shared>::iterator at) {
     disk_.run(job->client, [this, id = job->view.id] { folder_->remove(id); });
   count(*job, false);
   if (const auto held = held_.find(job->holder); held->second.jobs == 0) held_.erase(held);
+  by_result_.erase(job->by_result);
   index_.erase(job->view.id);
   jobs_.erase(at);
+}
+
+void Jobs::set_result_key(Job& job, const std::string& key) {
+  std::string in_view = key, in_record = key, in_index = key;  // nothing is half done if memory is short
+  job.view.result_key.swap(in_view);
+  job.record.result_key.swap(in_record);
+  if (!index_.contains(job.view.id)) return;
+  ByResult::node_type node = by_result_.extract(job.by_result);
+  node.key().swap(in_index);
+  job.by_result = by_result_.insert(std::move(node));
 }
 
 std::list<Jobs::Shared>::iterator Jobs::oldest_of(const std::string& holder, bool (*wanted)(const Job&)) {
@@ -100,7 +118,7 @@ void Jobs::unpin(Job& job) {
 }
 
 /// Forgets expired jobs. While the results exceed their limit, the holder with the most bytes loses its
-/// oldest result. That job stays done: its result may be in a tier, or can be requested again.
+/// oldest result. That job stays done while its result is in a tier or in the cache (check_result).
 void Jobs::make_room() {
   const Clock::time_point time = Clock::now();
   for (auto at = jobs_.begin(); at != jobs_.end();) {
@@ -153,7 +171,7 @@ std::optional<Error> Jobs::make_place_for(const std::string& holder) {
     return Error{
         .code = own.jobs > 0 ? ErrorCode::kOverShare : ErrorCode::kOverloaded,
         .detail = "There are " + std::to_string(jobs_.size()) +
-                  " jobs, which is the limit (--max-jobs), and none of them can be deleted for this one.",
+                  " jobs, which is the limit (--max-jobs), and none of them can be deleted to make room.",
         .retry_after = std::chrono::seconds(10)};
   forget(oldest_of(most->first, [](const Job& known) { return known.view.finished(); }));
   ++figures_.evicted;

@@ -26,13 +26,25 @@ constexpr std::uint64_t kMostBytes = 64u << 20;
 /// The first job of a holder may exceed the limits on the number and bytes of resumed jobs by this factor.
 constexpr std::size_t kForFirst = 4;
 
-/// Returns the holder for this owner's jobs. If the terms are not available now, returns the owner; the later
-/// attempt to resume a job reports why.
-std::string holder_of(const std::string& owner, const Jobs::TermsOf& terms_of) {
+/// Returns the terms for a job with this owner and client in its record (see Jobs::TermsOf).
+Terms terms_for(const std::string& owner, const std::string& client, const Jobs::TermsOf& terms_of) {
+  Terms terms = terms_of(owner);
+  if (!terms.payer.account && !client.empty()) terms.payer.flow.name = client;
+  return terms;
+}
+
+/// Returns the holder for these jobs until their terms are known.
+const std::string& provisional_holder(const std::string& owner, const std::string& client) {
+  return client.empty() ? owner : client;
+}
+
+/// Returns the holder for these jobs. If the terms are not available now, returns the provisional one; the
+/// later attempt to resume a job reports why.
+std::string holder_of(const std::string& owner, const std::string& client, const Jobs::TermsOf& terms_of) {
   try {
-    return terms_of(owner).payer.flow.name;
+    return terms_for(owner, client, terms_of).payer.flow.name;
   } catch (const std::exception&) {
-    return owner;
+    return provisional_holder(owner, client);
   }
 }
 
@@ -86,7 +98,7 @@ void Jobs::restore() {
     view.error = record.error;
     view.durable = job->kept = true;
     job->begun = found.begun;
-    job->client = job->holder = record.owner;
+    job->client = job->holder = provisional_holder(record.owner, record.client);
     // Ignore a time in the future (a wrong clock or a forged record): it must not affect the times of new
     // jobs.
     if (record.created <= now) last_created_ = std::max(last_created_, record.created);
@@ -123,21 +135,22 @@ void Jobs::go_on() {
   std::vector<JobView> done;
   std::function<void(const JobView&)> known;
   TermsOf terms_of;
-  std::map<std::string, std::string> holders;  // by owner
+  std::map<std::pair<std::string, std::string>, std::string> holders;  // by owner and client
   {
     const std::lock_guard lock(mutex_);
     if (stopping_ || !terms_of_) return;
     known = known_;
     terms_of = terms_of_;
     for (const Shared& job : jobs_)
-      if (!job->terms) holders.try_emplace(job->view.owner);
+      if (!job->terms) holders.try_emplace({job->view.owner, job->record.client});
   }
-  for (auto& [owner, holder] : holders) holder = holder_of(owner, terms_of);
+  for (auto& [of, holder] : holders) holder = holder_of(of.first, of.second, terms_of);
   {
     const std::lock_guard lock(mutex_);
     if (stopping_ || !terms_of_) return;
     for (const Shared& job : jobs_) {
-      if (const auto holder = holders.find(job->view.owner); !job->terms && holder != holders.end())
+      if (const auto holder = holders.find({job->view.owner, job->record.client});
+          !job->terms && holder != holders.end())
         hand_over(*job, holder->second);
       if (job->view.state == JobState::kDone && !job->view.answer) done.push_back(job->view);
     }
@@ -304,7 +317,7 @@ std::optional<Error> Jobs::resume_one(const Shared& job) {
   if (before) {
     terms = std::move(*before);
   } else {
-    terms = terms_of(record.owner);
+    terms = terms_for(record.owner, record.client, terms_of);
     terms.priority = Priority::kBackground;
     const std::lock_guard lock(mutex_);
     if (!job->deadline) job->deadline = Clock::now() + record.patience;
@@ -337,7 +350,7 @@ std::optional<Error> Jobs::resume_one(const Shared& job) {
   const std::string key = request->keys->result;
   {
     const std::lock_guard lock(mutex_);
-    job->view.result_key = job->record.result_key = key;  // differs if the algorithm has changed
+    set_result_key(*job, key);  // differs if the algorithm has changed
     job->resumed_bytes = mesh->owner->size();
   }
   const Terms kept = without_seat(terms);

@@ -1,4 +1,4 @@
-// Shows jobs to clients: single jobs, lists, changes and results.
+// Shows jobs to clients: single jobs, lists and changes.
 #include <algorithm>
 #include <utility>
 
@@ -28,14 +28,15 @@ std::optional<JobView> Jobs::find(const std::string& id) {
     job = get(id);
   }
   if (!job) return std::nullopt;
-  return look_at(*job);
+  return look_at(job);
 }
 
-JobView Jobs::look_at(const Job& job) {
+JobView Jobs::look_at(const Shared& job) {
+  check_result(job);
   std::vector<JobView> view(1);
   {
     const std::lock_guard lock(mutex_);
-    view.front() = job.view;
+    view.front() = job->view;
   }
   place(view);
   return std::move(view.front());
@@ -56,15 +57,24 @@ void Jobs::place(std::vector<JobView>& views) {
 
 std::vector<JobView> Jobs::list(const Filter& filter, std::size_t limit) {
   std::vector<JobView> views;
-  {
-    const std::lock_guard lock(mutex_);
-    make_room();
-    for (auto at = jobs_.rbegin(); at != jobs_.rend() && views.size() < limit; ++at) {
-      const JobView& view = (*at)->view;
-      if (view.created < filter.before && (!filter.state || view.state == *filter.state) &&
-          (!filter.sees || filter.sees(view.owner)))
-        views.push_back(view);
+  for (bool again = true; again;) {
+    std::vector<Shared> found;
+    views.clear();
+    {
+      const std::lock_guard lock(mutex_);
+      make_room();
+      for (auto at = jobs_.rbegin(); at != jobs_.rend() && found.size() < limit; ++at) {
+        const JobView& view = (*at)->view;
+        if (view.created < filter.before && (!filter.state || view.state == *filter.state) &&
+            (!filter.sees || filter.sees(view.owner))) {
+          found.push_back(*at);
+          views.push_back(view);
+        }
+      }
     }
+    // A job whose result was lost may not match any more. Each repetition fails at least one job.
+    again = false;
+    for (const Shared& job : found) again = check_result(job) || again;
   }
   place(views);
   return views;
@@ -72,15 +82,20 @@ std::vector<JobView> Jobs::list(const Filter& filter, std::size_t limit) {
 
 std::optional<Jobs::WatchId> Jobs::watch(const std::string& id, std::uint64_t seen,
                                          std::function<void(const JobView&)> changed) {
-  JobView view;
+  Shared job;
   {
     const std::lock_guard lock(mutex_);
-    const Shared job = get(id);
+    job = get(id);
     if (!job) return std::nullopt;
     if (job->view.version <= seen) {
       job->watchers.push_back({next_watch_, std::move(changed)});
       return next_watch_++;
     }
+  }
+  check_result(job);
+  JobView view;
+  {
+    const std::lock_guard lock(mutex_);
     view = job->view;
   }
   changed(view);
@@ -106,13 +121,6 @@ void Jobs::drop_watchers() {
     std::move(job->watchers.begin(), job->watchers.end(), std::back_inserter(dropped));
     job->watchers.clear();
   }
-}
-
-std::shared_ptr<const FractureResult> Jobs::find_result(const std::string& key) {
-  const std::lock_guard lock(mutex_);
-  for (const Shared& job : jobs_)
-    if (job->view.answer && job->view.result_key == key) return job->view.answer->result;
-  return nullptr;
 }
 
 }  // namespace fracture

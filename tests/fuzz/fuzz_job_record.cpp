@@ -36,6 +36,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   for (const auto time : {record->created, record->finished_at.value_or(record->created)})
     require(time.time_since_epoch().count() >= 0 && time < kLast);
   require(record->patience.count() > 0 && record->patience <= std::chrono::hours(24));
+  require(record->client.size() <= 1024);
   require(record->mesh_bytes <= std::uint64_t{1} << 40);
   const nlohmann::json copy = record->parameters;  // recurses, so the depth must be limited
   std::vector<RawParameter> given;

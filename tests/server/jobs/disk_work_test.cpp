@@ -1,16 +1,20 @@
-// The order of calls for the disk: the writes of one client do not delay another client.
+// The order of calls for the disk: the writes of one client do not delay another client. Tests count the calls of
+// others that come first.
 #include "server/jobs/disk_work.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <atomic>
+#include <functional>
 #include <latch>
 #include <mutex>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "tests/server/support/jobs_host.hpp"
 #include "tests/support/eventually.hpp"
 
 namespace fracture::test {
@@ -72,6 +76,60 @@ TEST(DiskWork, WhoHasMoreClientsThanThereAreThreadsWaitsForOneOfThem) {
   gate.count_down();
   disk.flush();
   EXPECT_EQ(done, 2 * DiskWork::kMostThreads);
+}
+
+/// Eight clients use all threads, and each has ten more calls in line.
+TEST(DiskWork, WhoHasNotUsedTheDiskIsNextWhenAThreadIsFree) {
+  std::latch first(1), second(1);
+  std::atomic<std::size_t> begun{0}, later{0}, before{1000};
+  DiskWork disk;
+  for (std::size_t k = 0; k < DiskWork::kMostThreads; ++k) {
+    disk.run(std::to_string(k), [&] {
+      ++begun;
+      first.wait();
+    });
+    for (int call = 0; call < 10; ++call)
+      disk.run(std::to_string(k), [&] {
+        ++later;
+        second.wait();
+      });
+  }
+  EXPECT_TRUE(eventually(kPatience, "all threads", [&] { return begun == DiskWork::kMostThreads; }));
+  disk.run("other", [&] { before = later.load(); });
+  first.count_down();
+  EXPECT_TRUE(eventually(kPatience, "the other's call", [&] { return before != 1000; }));
+  EXPECT_LT(before, DiskWork::kMostThreads) << "calls that the other threads began at the same time";
+  second.count_down();
+  disk.flush();
+  EXPECT_EQ(later, 10 * DiskWork::kMostThreads);
+}
+
+/// The jobs of one client wait for a write of that client. The jobs of another one are accepted meanwhile.
+TEST(DiskOfJobs, AFloodOfOneClientIsBehindTheJobsOfAnother) {
+  const TemporaryFolder folder;
+  std::atomic<int> flood{0}, other{0};
+  Gate gate;
+  JobsHost host(folder.path);
+  const auto start = [&](const std::string& client, std::uint64_t seed, std::function<void()> accepted) {
+    Terms terms;
+    terms.priority = Priority::kBackground;
+    terms.deadline = far_off();
+    terms.payer.flow = {client, 1};
+    EXPECT_FALSE(host.jobs.start(fracture_request("mesh of " + client, seed), terms, {},
+                                 [accepted = std::move(accepted)](const JobView&) { accepted(); }));
+  };
+  start("flood", 1, [&] {
+    ++flood;
+    gate.pass_without_polls();
+  });
+  gate.wait_for(1);
+  for (std::uint64_t seed = 2; seed <= 20; ++seed) start("flood", seed, [&] { ++flood; });
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) start("other", seed, [&] { ++other; });
+  EXPECT_TRUE(eventually(kPatience, "the other's jobs", [&] { return other == 5; }));
+  EXPECT_EQ(flood, 1) << "19 jobs of the flood came before them";
+  gate.open = true;
+  host.idle();
+  EXPECT_EQ(flood, 20);
 }
 
 TEST(DiskWork, AfterACallThatThrowsTheNextOneIsMade) {

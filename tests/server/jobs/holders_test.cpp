@@ -172,6 +172,30 @@ TEST(DurableHolders, FinishedJobsOfOthersOutliveAFloodOfKnownAnswers) {
     EXPECT_EQ(server.get(server.get(job, by("ana")).json().at("result"), by("ana")).status, 200) << job;
 }
 
+/// Of 20 jobs, ten unfinished ones are for clients with more than one, and a client that is alone gets eight.
+TEST(DurableHolders, AfterARestartAJobWithoutATokenCountsForItsAddress) {
+  const TemporaryFolder folder;
+  Gate gate;
+  TestServerOptions options = durable(folder);
+  options.control = std::make_shared<FakeControl>();
+  options.control->during_cut = gate.hook();
+  options.jobs.max_jobs = 20;
+  int seed = 0;
+  const auto start = [&](TestServer& server, const std::string& from) {
+    return ask(server.port(), "POST", "/fracture?seed=" + std::to_string(++seed), kAsync, "mesh", from)
+        .status;
+  };
+  {
+    TestServer server(options);
+    for (int k = 0; k < 4; ++k) ASSERT_EQ(start(server, "127.0.0.2"), 202) << k;
+  }
+  TestServer server(options);
+  EXPECT_EQ(server.api.jobs().figures().unfinished, 4u);
+  for (int k = 4; k < 8; ++k) EXPECT_EQ(start(server, "127.0.0.2"), 202) << k;
+  EXPECT_EQ(start(server, "127.0.0.2"), 429) << "it has eight";
+  EXPECT_EQ(start(server, "127.0.0.3"), 202);
+}
+
 /// The disk cache evicts the least recently used answers, but not results of jobs that can still be fetched.
 TEST(DurableHolders, ResultsOfFinishedJobsOutliveAFloodOfNewAnswers) {
   const TemporaryFolder folder;

@@ -1,62 +1,12 @@
 // Jobs as files: written jobs are found again, within limits, and damaged files are put aside.
-#include "server/jobs/job_folder.hpp"
-
-#include <gtest/gtest.h>
-
 #include <fstream>
 #include <utility>
 
+#include "tests/server/jobs/job_folder_fixture.hpp"
 #include "tests/server/support/odd_files.hpp"
-#include "tests/server/support/temporary_folder.hpp"
 
 namespace fracture::test {
 namespace {
-
-namespace fs = std::filesystem;
-using Room = JobFolder::Room;
-
-constexpr std::uint64_t kNoShare = UINT64_MAX;
-
-std::span<const std::byte> bytes_of(const std::string& text) { return std::as_bytes(std::span(text)); }
-
-/// A folder that this object has taken; no other server uses it.
-struct TakenFolder : JobFolder {
-  explicit TakenFolder(JobFolderConfig config) : JobFolder(std::move(config)) {
-    EXPECT_TRUE(take().value_or(false)) << "another one has it";
-  }
-};
-
-struct Folder : testing::Test {
-  TemporaryFolder folder;
-  const std::string mesh = std::string(10'000, 'm'), texture = std::string(5'000, 't');
-  FractureRequest request{
-      bytes_of(mesh), MeshFormat::kObj, {}, {{"a name\nof two lines", bytes_of(texture)}}};
-
-  JobRecord record(int number, const std::string& owner = "ana", std::uint64_t mesh_bytes = 15'000) {
-    JobRecord r;
-    char id[34];
-    std::snprintf(id, sizeof id, "0123456789abcdef-%016x", number);
-    r.id = id;
-    r.owner = owner;
-    r.created += std::chrono::microseconds(1'700'000'000'000'000 + number);
-    r.patience = std::chrono::milliseconds(5000);
-    r.digest = digest_of(request).hex();
-    r.mesh_bytes = mesh_bytes;
-    r.format = MeshFormat::kObj;
-    r.parameters = {{"sites", 7}};
-    r.result_key = std::string(64, 'a');
-    return r;
-  }
-  JobFolderConfig config(std::uint64_t bytes = 1u << 20) { return {folder.path, bytes, {}}; }
-  bool put(JobFolder& f, const JobRecord& r) {
-    return f.reserve(r, kNoShare) == Room::kThere && f.write(r, request);
-  }
-  std::size_t files(const char* kind) {
-    std::size_t n = 0;
-    for (const auto& file : fs::directory_iterator(folder / kind)) n += file.is_regular_file();
-    return n;
-  }
-};
 
 TEST_F(Folder, WhatWasWrittenIsFoundAgainTheOldestFirst) {
   {
@@ -341,6 +291,26 @@ TEST_F(Folder, MoreJobsThanThereMayBeStayForALaterStart) {
   }
   TakenFolder f(few);
   EXPECT_EQ(f.restore().size(), 2u);
+}
+
+/// A folder of 100,000 bytes. A client that holds h bytes next to m others may have h * (1 + m) <= free bytes
+/// (FairShare with half as the share). The mesh takes 15,000 bytes, and each record 4,096.
+TEST_F(Folder, AfterARestartTheSpaceOfAJobBelongsToItsClient) {
+  const auto of = [this](const std::string& client, int number) {
+    JobRecord r = record(number);
+    r.client = client;
+    return r;
+  };
+  {
+    TakenFolder f(config(100'000));
+    for (int k = 1; k <= 8; ++k) ASSERT_TRUE(put(f, of("address 192.0.2.1", k))) << k;
+  }
+  TakenFolder f(config(100'000));
+  const auto found = f.restore();
+  ASSERT_EQ(found.size(), 8u);
+  EXPECT_EQ(found[0].record.client, "address 192.0.2.1");
+  EXPECT_EQ(f.reserve(of("address 192.0.2.1", 9), kNoShare), Room::kOverPart) << "51,864 of 100,000 bytes";
+  EXPECT_EQ(f.reserve(of("address 192.0.2.2", 10), kNoShare), Room::kThere) << "19,096 bytes, twice";
 }
 
 TEST_F(Folder, ADiskThatRefusesIsNoEnd) {

@@ -22,6 +22,7 @@ struct Record : testing::Test {
   const json good = {
       {"id", "0123456789abcdef-0123456789abcdef"},
       {"owner", "ana"},
+      {"client", "address 192.0.2.7"},
       {"state", "failed"},
       {"created", 1'764'000'000'000'000},
       {"finished", 1'764'000'001'000'000},
@@ -46,10 +47,21 @@ TEST_F(Record, WhatTheServerWritesIsAccepted) {
   const auto record = decode_record(signed_text(good.dump()));
   ASSERT_TRUE(record);
   EXPECT_EQ(record->state, JobState::kFailed);
+  EXPECT_EQ(record->client, "address 192.0.2.7");
   EXPECT_EQ(record->parameters, good.at("parameters"));
   const auto again = decode_record(encode_record(*record));
   ASSERT_TRUE(again);
   EXPECT_EQ(encode_record(*again), encode_record(*record));
+}
+
+/// Algorithm 27 and earlier do not store the client.
+TEST_F(Record, ARecordOfAnEarlierReleaseNamesNoClient) {
+  json earlier = good;
+  earlier.erase("client");
+  const auto record = decode_record(signed_text(earlier.dump() + "\n"));
+  ASSERT_TRUE(record);
+  EXPECT_EQ(record->client, "");
+  EXPECT_EQ(encode_record(*record).find("client"), std::string::npos);
 }
 
 TEST_F(Record, ParametersNestedTwoHundredThousandDeepAreRefused) {
@@ -77,7 +89,8 @@ TEST_F(Record, NumbersOutsideOfWhatTheServerComputesWithAreRefused) {
 TEST_F(Record, EveryMemberHasItsType) {
   for (const auto& [name, value] : good.items()) {
     EXPECT_FALSE(accepts([&name = name](json& j) { j[name] = json::array({1}); })) << name;
-    EXPECT_EQ(accepts([&name = name](json& j) { j.erase(name); }), name == "finished" || name == "error")
+    EXPECT_EQ(accepts([&name = name](json& j) { j.erase(name); }),
+              name == "finished" || name == "error" || name == "client")
         << name;
   }
   for (const auto& [name, value] : good.at("error").items())
@@ -92,6 +105,9 @@ TEST_F(Record, TextsAreOfTheirKindAndLength) {
   EXPECT_FALSE(accepts([](json& j) { j["format"] = "exe"; }));
   EXPECT_FALSE(accepts([](json& j) { j["output"] = "obj"; }));
   EXPECT_FALSE(accepts([](json& j) { j["owner"] = std::string(1u << 20, 'a'); }));
+  EXPECT_FALSE(accepts([](json& j) { j["client"] = ""; }));
+  EXPECT_FALSE(accepts([](json& j) { j["client"] = std::string(1025, 'a'); }));
+  EXPECT_TRUE(accepts([](json& j) { j["client"] = std::string(1024, 'a'); }));
   EXPECT_FALSE(accepts([](json& j) { j["error"]["detail"] = std::string(1u << 20, 'a'); }));
 }
 

@@ -89,6 +89,37 @@ TEST_F(Resume, JobsOfOneClientLeaveAPlaceForAnother) {
   host.idle();
 }
 
+/// As above, but without tokens: the jobs have no owner, and their records name the clients.
+TEST_F(Resume, JobsOfOneAddressLeaveAPlaceForAnother) {
+  const auto leave = [this](std::uint64_t seed, const std::string& client) {
+    return leave_job(folder.path, seed, "", std::chrono::minutes(10), client);
+  };
+  for (std::uint64_t seed = 1; seed <= 9; ++seed) leave(seed, "address 192.0.2.1");
+  const std::string other = leave(10, "address 192.0.2.2");
+  JobsHost host(folder.path);
+  host.control->during_cut = gate.hook();
+  host.resume();
+  host.jobs.flush();
+  EXPECT_EQ(host.jobs.figures().waiting, 1u) << "the last one of the first client";
+  gate.open = true;
+  host.wait_for(other, JobState::kDone);
+  host.idle();
+}
+
+/// A record of algorithm 27 or earlier names no client. Such jobs are resumed as jobs of one common client.
+TEST_F(Resume, JobsOfAnEarlierReleaseHaveOneHolder) {
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) leave_job(folder.path, seed);
+  JobsHost host(folder.path);
+  host.control->during_cut = gate.hook();
+  host.resume();
+  host.jobs.flush();
+  EXPECT_EQ(host.jobs.figures().waiting, 2u) << "eight of them run, twice as many as threads";
+  gate.open = true;
+  EXPECT_TRUE(eventually(kPatience, "all jobs", [&] { return host.jobs.figures().unfinished == 0; }));
+  host.idle();
+  EXPECT_EQ(host.control->cuts, 10);
+}
+
 TEST_F(Resume, WhoIsOverItsShareHoldsUpNobodyElse) {
   const std::string anas = leave_job(folder.path, 1, "ana");
   leave_job(folder.path, 2, "ana");
