@@ -89,7 +89,7 @@ std::optional<std::uint64_t> DiskCache::size_of(const std::string& key) const {
   return at == index_.end() ? std::nullopt : std::optional(at->second->size);
 }
 
-std::optional<StoredEntry> DiskCache::find(const std::string& key) {
+std::optional<StoredEntry> DiskCache::find(const std::string& key, const Execution& execution) {
   if (!held_ || !is_key(key)) return std::nullopt;
   std::uint64_t size = 0;
   {
@@ -117,11 +117,11 @@ std::optional<StoredEntry> DiskCache::find(const std::string& key) {
                   size_of_entry(std::span(*bytes).subspan(signature)) != size - signature))
       bytes->clear();
     else if (bytes)
-      bytes = ::lseek(file->file.get(), 0, SEEK_SET) == 0 ? read_bytes(*file, size) : std::nullopt;
+      bytes = ::lseek(file->file.get(), 0, SEEK_SET) == 0 ? read_bytes(*file, size, execution) : std::nullopt;
   }
   std::optional<StoredEntry> stored;
   if (bytes) {
-    if (const auto entry = decoded(*bytes, key)) stored = StoredEntry{std::move(*bytes), *entry};
+    if (const auto entry = decoded(*bytes, key, execution)) stored = StoredEntry{std::move(*bytes), *entry};
   }
   const std::lock_guard lock(mutex_);
   if (stored) {
@@ -181,11 +181,11 @@ bool DiskCache::make_room(std::uint64_t size) {
   return true;
 }
 
-std::optional<CacheEntry> DiskCache::decoded(std::span<const std::uint8_t> file,
-                                             const std::string& key) const {
-  if (keys_.empty()) return decode_entry(file, key);
-  const auto opened = keys_.open(signed_as(key), file);
-  return opened ? decode_entry(*opened, key) : std::nullopt;
+std::optional<CacheEntry> DiskCache::decoded(std::span<const std::uint8_t> file, const std::string& key,
+                                             const Execution& execution) const {
+  if (keys_.empty()) return decode_entry(file, key, execution);
+  const auto opened = keys_.open(signed_as(key), file, execution);
+  return opened ? decode_entry(*opened, key, execution) : std::nullopt;
 }
 
 bool DiskCache::insert(const CacheEntry& entry) {

@@ -62,8 +62,8 @@ class DiskCache {
   /// Returns the size of the entry's file as it was written; nothing if there is none.
   std::optional<std::uint64_t> size_of(const std::string& key) const;
   /// Reads an entry. Keys have 4 to 128 lower-case hex digits; other keys always miss. Allocates at most size_of() bytes,
-  /// whatever has happened to the file.
-  std::optional<StoredEntry> find(const std::string& key);
+  /// whatever has happened to the file. Throws Interrupted.
+  std::optional<StoredEntry> find(const std::string& key, const Execution& execution = kUninterrupted);
   /// Returns false if the entry could not be written.
   bool insert(const CacheEntry& entry);
   /// Quarantines the entry with this key. For entries that are intact but have wrong content.
@@ -91,7 +91,8 @@ class DiskCache {
   std::string path_of(const std::string& key) const { return folder_ + "/" + key.substr(0, 2) + "/" + key; }
   SignedAs signed_as(std::string_view key) const { return {"disk", key, algorithm_}; }
   /// Returns the entry in a file's bytes; nothing if it is damaged, or not signed although keys are set.
-  std::optional<CacheEntry> decoded(std::span<const std::uint8_t> file, const std::string& key) const;
+  std::optional<CacheEntry> decoded(std::span<const std::uint8_t> file, const std::string& key,
+                                    const Execution& execution) const;
   void learn_what_is_there();
   /// Evicts entries until `size` more bytes fit into the budget. Evicts nothing and returns false if they cannot fit.
   bool make_room(std::uint64_t size);

@@ -8,6 +8,8 @@
 #include <limits>
 #include <memory>
 
+#include "common/base/pacer.hpp"
+
 namespace fracture {
 namespace {
 
@@ -19,12 +21,15 @@ constexpr std::size_t kChecksumAt = 24;
 
 using Checksum = std::array<char, 16>;
 
-Checksum checksum(std::string_view before, std::string_view after, std::span<const std::uint8_t> payload) {
+Checksum checksum(std::string_view before, std::string_view after, std::span<const std::uint8_t> payload,
+                  const Execution& execution) {
   const std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> state(XXH3_createState(), &XXH3_freeState);
   XXH3_128bits_reset(state.get());
   XXH3_128bits_update(state.get(), before.data(), before.size());
   XXH3_128bits_update(state.get(), after.data(), after.size());
-  XXH3_128bits_update(state.get(), payload.data(), payload.size());
+  each_piece(execution, payload, [&state](std::span<const std::uint8_t> piece) {
+    XXH3_128bits_update(state.get(), piece.data(), piece.size());
+  });
   XXH128_canonical_t canonical;
   XXH128_canonicalFromHash(&canonical, XXH3_128bits_digest(state.get()));
   Checksum sum;
@@ -59,7 +64,8 @@ std::string encode_entry_head(const CacheEntry& entry) {
   head.resize(kEntryHeader);
   head += entry.key;
   head += entry.metadata;
-  const Checksum sum = checksum(before, std::string_view(head).substr(kEntryHeader), entry.payload);
+  const Checksum sum =
+      checksum(before, std::string_view(head).substr(kEntryHeader), entry.payload, kUninterrupted);
   std::memcpy(head.data() + kChecksumAt, sum.data(), sum.size());
   return head;
 }
@@ -75,7 +81,8 @@ std::optional<std::uint64_t> size_of_entry(std::span<const std::uint8_t> header)
   return before + payload;
 }
 
-std::optional<CacheEntry> decode_entry(std::span<const std::uint8_t> bytes, std::string_view key) {
+std::optional<CacheEntry> decode_entry(std::span<const std::uint8_t> bytes, std::string_view key,
+                                       const Execution& execution) {
   if (size_of_entry(bytes) != bytes.size()) return std::nullopt;
   const std::uint64_t key_size = get<std::uint32_t>(bytes, 8), metadata_size = get<std::uint32_t>(bytes, 12),
                       payload_size = get<std::uint64_t>(bytes, 16);
@@ -83,8 +90,9 @@ std::optional<CacheEntry> decode_entry(std::span<const std::uint8_t> bytes, std:
   CacheEntry entry{text.substr(kEntryHeader, key_size), text.substr(kEntryHeader + key_size, metadata_size),
                    bytes.last(payload_size)};
   if (entry.key != key) return std::nullopt;
-  const Checksum sum = checksum(text.substr(0, kChecksumAt),
-                                text.substr(kEntryHeader, key_size + metadata_size), entry.payload);
+  const Checksum sum =
+      checksum(text.substr(0, kChecksumAt), text.substr(kEntryHeader, key_size + metadata_size),
+               entry.payload, execution);
   if (std::memcmp(bytes.data() + kChecksumAt, sum.data(), sum.size()) != 0) return std::nullopt;
   return entry;
 }

@@ -21,6 +21,8 @@
 #include <string>
 #include <string_view>
 
+#include "common/base/execution.hpp"
+
 namespace fracture {
 
 /// An entry. After decoding, its members are views into the decoded bytes.
@@ -42,7 +44,8 @@ std::string encode_entry_head(const CacheEntry& entry);
 std::optional<std::uint64_t> size_of_entry(std::span<const std::uint8_t> header);
 
 /// Decodes an entry. Returns nothing if the bytes are not exactly one intact entry with this key. Never reads beyond
-/// `bytes`, whatever sizes they contain.
-std::optional<CacheEntry> decode_entry(std::span<const std::uint8_t> bytes, std::string_view key);
+/// `bytes`, whatever sizes they contain. Throws Interrupted.
+std::optional<CacheEntry> decode_entry(std::span<const std::uint8_t> bytes, std::string_view key,
+                                       const Execution& execution = kUninterrupted);
 
 }  // namespace fracture

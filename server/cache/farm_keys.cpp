@@ -7,11 +7,15 @@
 
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <memory>
 #include <stdexcept>
+#include <system_error>
 #include <utility>
+
+#include "common/base/pacer.hpp"
 
 namespace fracture {
 namespace {
@@ -20,7 +24,8 @@ constexpr std::string_view kSignatureMagic = "FRS1";
 using Signature = std::array<std::uint8_t, 32>;
 static_assert(FarmKeys::kHead == kSignatureMagic.size() + sizeof(Signature));
 
-Signature sign(const std::string& key, const SignedAs& as, std::initializer_list<FarmKeys::Bytes> bytes) {
+Signature sign(const std::string& key, const SignedAs& as, std::initializer_list<FarmKeys::Bytes> bytes,
+               const Execution& execution) {
   // Fetched once, because a fetch locks a table in the library.
   static const std::unique_ptr<EVP_MAC, decltype(&EVP_MAC_free)> hmac(EVP_MAC_fetch(nullptr, "HMAC", nullptr),
                                                                       &EVP_MAC_free);
@@ -38,7 +43,9 @@ Signature sign(const std::string& key, const SignedAs& as, std::initializer_list
   bool good = context && EVP_MAC_init(context.get(), raw_key, key.size(), parameters) == 1 &&
               EVP_MAC_update(context.get(), raw_about, about.size()) == 1;
   for (const FarmKeys::Bytes part : bytes)
-    good = good && EVP_MAC_update(context.get(), part.data(), part.size()) == 1;
+    each_piece(execution, part, [&](FarmKeys::Bytes piece) {
+      good = good && EVP_MAC_update(context.get(), piece.data(), piece.size()) == 1;
+    });
   if (!good || EVP_MAC_final(context.get(), signature.data(), &size, signature.size()) != 1 ||
       size != signature.size())
     throw std::runtime_error("HMAC-SHA256 cannot be computed");
@@ -48,9 +55,12 @@ Signature sign(const std::string& key, const SignedAs& as, std::initializer_list
 }  // namespace
 
 Expected<FarmKeys> FarmKeys::load(const std::string& path) {
+  std::error_code error;
+  const bool is_folder = std::filesystem::is_directory(path, error);  // it opens, but reading it throws
   errno = 0;
   std::ifstream file(path, std::ios::binary);
-  if (!file)
+  if (is_folder) errno = EISDIR;
+  if (!file || is_folder)
     return fail(ErrorCode::kFileAccess,
                 "'" + path + "' cannot be read: " + std::strerror(errno != 0 ? errno : EIO) + ".");
   auto keys = parse(std::string{std::istreambuf_iterator<char>(file), {}});
@@ -72,7 +82,8 @@ Expected<FarmKeys> FarmKeys::parse(std::string_view text) {
       return wrong(where + " has fewer than " + std::to_string(kMinCharacters) +
                    " characters (openssl rand -hex 32 makes a key)");
     if (keys.keys_.size() == kMaxKeys)
-      return wrong(where + " is a third key; the limit is two: the first signs, and both are accepted");
+      return wrong(where +
+                   " is a third key, but the limit is two: the first one signs, and both are accepted");
     keys.keys_.emplace_back(line);
   }
   if (keys.empty()) return wrong("it contains no key");
@@ -80,19 +91,20 @@ Expected<FarmKeys> FarmKeys::parse(std::string_view text) {
 }
 
 std::string FarmKeys::head(const SignedAs& as, std::initializer_list<Bytes> bytes) const {
-  const Signature signature = sign(keys_.at(0), as, bytes);
+  const Signature signature = sign(keys_.at(0), as, bytes, kUninterrupted);
   std::string head(kSignatureMagic);
   head.append(reinterpret_cast<const char*>(signature.data()), signature.size());
   return head;
 }
 
-std::optional<FarmKeys::Bytes> FarmKeys::open(const SignedAs& as, Bytes stored) const {
+std::optional<FarmKeys::Bytes> FarmKeys::open(const SignedAs& as, Bytes stored,
+                                              const Execution& execution) const {
   if (stored.size() < kHead ||
       std::memcmp(stored.data(), kSignatureMagic.data(), kSignatureMagic.size()) != 0)
     return std::nullopt;
   const Bytes bytes = stored.subspan(kHead);
   for (const std::string& key : keys_) {
-    const Signature right = sign(key, as, {bytes});
+    const Signature right = sign(key, as, {bytes}, execution);
     // Compares in constant time, so that timing does not reveal how much of a guess was right.
     if (CRYPTO_memcmp(right.data(), stored.data() + kSignatureMagic.size(), right.size()) == 0) return bytes;
   }

@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "common/base/error.hpp"
+#include "common/base/execution.hpp"
 
 namespace fracture {
 
@@ -47,7 +48,9 @@ class FarmKeys {
   /// Returns the head to store before the bytes, which may be given in parts. Requires a key.
   std::string head(const SignedAs& as, std::initializer_list<Bytes> bytes) const;
   /// Returns the bytes after the head; nothing if no key has signed them for this tier, key and version.
-  std::optional<Bytes> open(const SignedAs& as, Bytes stored) const;
+  /// Throws Interrupted.
+  std::optional<Bytes> open(const SignedAs& as, Bytes stored,
+                            const Execution& execution = kUninterrupted) const;
 
  private:
   std::vector<std::string> keys_;

@@ -12,7 +12,7 @@ namespace fracture {
 
 /// The error for a folder that the server cannot use. `path`: the folder, or the part of it that failed.
 inline Error unusable_folder(const std::string& path, const std::string& reason) {
-  return {ErrorCode::kFileAccess, "the folder '" + path + "' cannot be created or written: " + reason +
+  return {ErrorCode::kFileAccess, "the folder '" + path + "' cannot be created or written to: " + reason +
                                       ". Choose a folder that the server can write to."};
 }
 /// The same for an exception, without its words for programmers.

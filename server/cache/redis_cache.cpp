@@ -104,9 +104,10 @@ RedisReply RedisCache::ask(const std::vector<std::string_view>& command) {
 }
 
 std::optional<StoredEntry> RedisCache::decoded(std::span<const std::uint8_t> value, const std::string& key,
-                                               const Room& room, bool& no_room) const {
+                                               const Room& room, bool& no_room,
+                                               const Execution& execution) const {
   if (!config_.keys.empty()) {
-    const auto opened = config_.keys.open(signed_as(key), value);
+    const auto opened = config_.keys.open(signed_as(key), value, execution);
     if (!opened) return std::nullopt;
     value = *opened;
   }
@@ -118,18 +119,19 @@ std::optional<StoredEntry> RedisCache::decoded(std::span<const std::uint8_t> val
   if (no_room) return std::nullopt;
   std::vector<std::uint8_t> bytes(size);
   if (ZSTD_decompress(bytes.data(), bytes.size(), value.data(), value.size()) != size) return std::nullopt;
-  const auto entry = decode_entry(bytes, key);
+  const auto entry = decode_entry(bytes, key, execution);
   return entry ? std::optional(StoredEntry{std::move(bytes), *entry}) : std::nullopt;
 }
 
-std::optional<StoredEntry> RedisCache::find(const std::string& key, const Room& room) {
+std::optional<StoredEntry> RedisCache::find(const std::string& key, const Room& room,
+                                            const Execution& execution) {
   const std::string name = "fracture:" + key;
   const RedisReply reply = ask({"GET", name});
   if (!reply) return std::nullopt;
   std::optional<StoredEntry> stored;
   bool no_room = false;
   if (reply->type == REDIS_REPLY_STRING)
-    stored = decoded(bytes_of({reply->str, reply->len}), key, room, no_room);
+    stored = decoded(bytes_of({reply->str, reply->len}), key, room, no_room, execution);
   const std::lock_guard lock(mutex_);
   ++(stored ? figures_.hits : figures_.misses);
   if (reply->type != REDIS_REPLY_NIL && !stored && !no_room) ++figures_.damaged;

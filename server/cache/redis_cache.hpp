@@ -53,7 +53,9 @@ class RedisCache {
   RedisCache(const RedisCache&) = delete;
   RedisCache& operator=(const RedisCache&) = delete;
 
-  std::optional<StoredEntry> find(const std::string& key, const Room& room = {});
+  /// Throws Interrupted.
+  std::optional<StoredEntry> find(const std::string& key, const Room& room = {},
+                                  const Execution& execution = kUninterrupted);
   /// Returns false if the entry was not stored.
   bool insert(const CacheEntry& entry);
   /// Counts an entry as damaged. For entries from find() that are intact but have wrong content. The next insert() replaces
@@ -62,7 +64,8 @@ class RedisCache {
   /// Decodes a value; nothing if it is not an intact entry. Sets `no_room` if it was not decoded because `room` refused.
   /// Public for the fuzz target.
   std::optional<StoredEntry> decoded(std::span<const std::uint8_t> value, const std::string& key,
-                                     const Room& room, bool& no_room) const;
+                                     const Room& room, bool& no_room,
+                                     const Execution& execution = kUninterrupted) const;
 
   RedisFigures figures() const;
 

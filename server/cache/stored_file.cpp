@@ -4,8 +4,11 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstddef>
+
+#include "common/base/pacer.hpp"
 
 namespace fracture {
 
@@ -27,10 +30,14 @@ std::optional<StoredFile> open_stored(const std::string& path) {
   return stored;
 }
 
-std::optional<std::vector<std::uint8_t>> read_bytes(const StoredFile& stored, std::uint64_t size) {
-  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(size));
+std::optional<std::vector<std::uint8_t>> read_bytes(const StoredFile& stored, std::uint64_t size,
+                                                    const Execution& execution) {
+  std::vector<std::uint8_t> bytes;
+  resize_with_polls(execution, bytes, static_cast<std::size_t>(size));
   for (std::size_t at = 0; at < bytes.size();) {
-    const ssize_t n = ::read(stored.file.get(), bytes.data() + at, bytes.size() - at);
+    execution.poll();
+    const std::size_t piece = std::min(bytes.size() - at, kBytesBetweenPolls);
+    const ssize_t n = ::read(stored.file.get(), bytes.data() + at, piece);
     if (n < 0 && errno == EINTR) continue;
     if (n < 0) return std::nullopt;
     if (n == 0) bytes.resize(at);

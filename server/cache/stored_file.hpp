@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/base/descriptor.hpp"
+#include "common/base/execution.hpp"
 
 namespace fracture {
 
@@ -20,7 +21,8 @@ struct StoredFile {
 std::optional<StoredFile> open_stored(const std::string& path);
 
 /// Returns the next `size` bytes of the file, or fewer if it ends before. Returns nothing if it cannot be read; errno gives
-/// the reason.
-std::optional<std::vector<std::uint8_t>> read_bytes(const StoredFile& stored, std::uint64_t size);
+/// the reason. Polls between pieces. Throws Interrupted.
+std::optional<std::vector<std::uint8_t>> read_bytes(const StoredFile& stored, std::uint64_t size,
+                                                    const Execution& execution = kUninterrupted);
 
 }  // namespace fracture

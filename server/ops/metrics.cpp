@@ -81,9 +81,8 @@ struct Metrics::Impl {
       counter("fracture_cache_lookups_total", "Lookups in each cache by outcome (hit, miss).");
   Family<Counter>& connections = counter(
       "fracture_connections_total", "Connections opened by clients, including those that were then refused.");
-  Family<Counter>& refused =
-      counter("fracture_connections_refused_total",
-              "Connections that were answered only with the error that too many are open.");
+  Family<Counter>& refused = counter("fracture_connections_refused_total",
+                                     "Connections that received only an error, because too many were open.");
   Family<Counter>& abandoned =
       counter("fracture_work_abandoned_total",
               "Requests that were stopped because their client closed or reset its connection (status 499).");

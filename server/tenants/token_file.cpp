@@ -44,7 +44,7 @@ Expected<TokenFile> TokenFile::load(const std::string& path) {
   text.resize(static_cast<std::size_t>(file.gcount()));
   if (text.size() > kMaxBytes)
     return fail(ErrorCode::kTooLarge,
-                file_name + " has more than the limit of " + grouped(kMaxBytes) + " bytes.");
+                file_name + " has more than " + grouped(kMaxBytes) + " bytes, which is the limit.");
   auto tokens = parse(text);
   if (!tokens) return fail(tokens.error().code, file_name + tokens.error().detail + ".");
   return tokens;
@@ -67,13 +67,13 @@ Expected<TokenFile> TokenFile::parse_lines(std::string_view text) {
     std::istringstream words(line);
     std::string name, token, right, more;
     if (!(words >> name) || name.front() == '#') continue;
-    if (!(words >> token)) return wrong("must be 'name token' or 'name token read-only'");
+    if (!(words >> token)) return wrong("the line must be 'name token' or 'name token read-only'");
     words >> right >> more;
     if ((!right.empty() && right != "read-only") || !more.empty())
-      return wrong("must be 'name token' or 'name token read-only'");
+      return wrong("the line must be 'name token' or 'name token read-only'");
     if (token.size() < kMinToken || !is_token(token))
       return wrong("a token needs at least " + std::to_string(kMinToken) +
-                   " letters, digits or characters of -._~+/=");
+                   " characters: letters, digits or any of -._~+/=");
     Tenant tenant;
     tenant.name = name;
     tenant.tokens = {{sha256(token).bytes, std::nullopt}};
@@ -81,9 +81,9 @@ Expected<TokenFile> TokenFile::parse_lines(std::string_view text) {
     if (right.empty()) tenant.scopes = {Scope::kRead, Scope::kFracture, Scope::kBake};
     for (const Tenant& other : file.tenants_)
       if (other.name == name || other.tokens.front().digest == tenant.tokens.front().digest)
-        return wrong("the name or the token is already in an earlier line; each may occur once");
+        return wrong("the name or the token is already in an earlier line; each may occur only once");
     if (file.size() == kMaxTenants)
-      return wrong("the file has more than the limit of " + std::to_string(kMaxTenants) + " names");
+      return wrong("the file has more than " + std::to_string(kMaxTenants) + " names, which is the limit");
     file.tenants_.push_back(std::move(tenant));
   }
   if (file.empty()) return fail(ErrorCode::kBadParameter, " contains no token");

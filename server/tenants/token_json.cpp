@@ -32,7 +32,7 @@ void only(const json& object, const std::string& place, std::initializer_list<st
   if (!object.is_object()) throw Wrong{place, "must be an object"};
   for (const auto& [name, value] : object.items())
     if (std::find(known.begin(), known.end(), name) == known.end())
-      throw Wrong{place, "has a member '" + name.substr(0, 64) + "', which is not known here"};
+      throw Wrong{place, "has a member '" + name.substr(0, 64) + "', which is not allowed here"};
 }
 
 const json& array(const json& object, const char* name, const std::string& place, std::size_t most) {
@@ -69,7 +69,7 @@ std::string name_of(const json& tenant, const std::string& place) {
     };
     if (!name.empty() && name.size() <= 64 && std::all_of(name.begin(), name.end(), fits)) return name;
   }
-  throw Wrong{place + "name", "must be 1 to 64 letters, digits or characters of ._-"};
+  throw Wrong{place + "name", "must be 1 to 64 characters: letters, digits or any of ._-"};
 }
 
 Token token_of(const json& given, const std::string& place) {
@@ -172,10 +172,12 @@ Expected<TokenFile> TokenFile::parse_json(std::string_view text) try {
     Tenant tenant = tenant_of(given, place);
     if (!names.insert(tenant.name).second)
       throw Wrong{place + ".name",
-                  "is '" + tenant.name + "', which an earlier member has; each name may occur once"};
+                  "is '" + tenant.name +
+                      "', which is also the name of an earlier member; each name may occur only once"};
     for (const Token& token : tenant.tokens)
       if (!digests.insert(token.digest).second)
-        throw Wrong{place + ".tokens", "has a token that is in the file twice; each may occur once"};
+        throw Wrong{place + ".tokens",
+                    "has a token that is in the file twice; each token may occur only once"};
     file.tenants_.push_back(std::move(tenant));
   }
   return file;

@@ -10,6 +10,7 @@
 #include <fstream>
 #include <iterator>
 #include <memory>
+#include <stop_token>
 #include <string>
 
 #include "tests/server/support/disk_entries.hpp"
@@ -90,6 +91,28 @@ TEST_F(Disk, WhatIsWrittenIsFoundAlsoByTheNextProcess) {
   EXPECT_TRUE(finds(next, 1));
   EXPECT_EQ(next.figures().entries, 1u);
   EXPECT_EQ(next.figures().bytes, fs::file_size(entries_in(path).at(0)));
+}
+
+// The file is read, its signature is computed, and its checksum, each with a poll for each quarter of a mebibyte.
+TEST_F(Disk, ReadingALargeEntryPolls) {
+  constexpr std::size_t kSize = std::size_t{8} << 20;
+  DiskCache cache(path, 100u << 20, *FarmKeys::parse(std::string(64, 'k')), 1);
+  ASSERT_TRUE(insert(cache, 1, kSize));
+  int polls = 0;
+  Execution execution;
+  execution.watch = [&polls] { ++polls; };
+  const auto stored = cache.find(key_of(1), execution);
+  ASSERT_TRUE(stored);
+  EXPECT_EQ(stored->entry.payload.size(), kSize);
+  EXPECT_GE(polls, 3 * 32);
+
+  std::stop_source stop;
+  execution.stop = stop.get_token();
+  execution.watch = [&] {
+    if (--polls == 0) stop.request_stop();
+  };
+  EXPECT_THROW(cache.find(key_of(1), execution), Interrupted);
+  EXPECT_TRUE(finds(cache, 1)) << "an interruption says nothing about the entry";
 }
 
 TEST_F(Disk, TheLeastRecentlyUsedLeavesWhenTheBudgetIsReached) {

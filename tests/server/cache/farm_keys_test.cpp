@@ -96,6 +96,7 @@ TEST(FarmKeys, FilesAreReadStrictlyAndNeverQuoted) {
   const test::TemporaryFolder folder;
   EXPECT_TRUE(FarmKeys::load(folder.write("keys", "# farm\n" + kOld + "\r\n\n")));
   EXPECT_THAT(FarmKeys::load(folder / "absent").error().detail, HasSubstr("cannot be read"));
+  EXPECT_THAT(FarmKeys::load(folder.path).error().detail, HasSubstr("cannot be read: Is a directory"));
 }
 
 }  // namespace
