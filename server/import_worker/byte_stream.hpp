@@ -1,8 +1,9 @@
 // Numbers, texts and arrays of plain values as a flat sequence of bytes in the machine's own byte order. It is for two
 // processes of the same program on the same machine. The reader trusts nothing: it checks every length against the available
-// bytes before it allocates memory. After the first failure, all further reads fail.
+// bytes before it allocates memory, and polls between copies. After the first failure, all further reads fail.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -12,6 +13,8 @@
 #include <type_traits>
 #include <utility>
 #include <vector>
+
+#include "common/base/pacer.hpp"
 
 namespace fracture {
 
@@ -45,7 +48,9 @@ class ByteWriter {
 
 class ByteReader {
  public:
-  explicit ByteReader(std::span<const std::byte> bytes) : bytes_(bytes) {}
+  /// `execution`: borrowed. The functions that return texts and arrays throw Interrupted.
+  explicit ByteReader(std::span<const std::byte> bytes, const Execution& execution = kUninterrupted)
+      : bytes_(bytes), execution_(execution), pacer_(execution) {}
 
   template <class T>
   T value() {
@@ -54,8 +59,10 @@ class ByteReader {
     take(&v, sizeof v);
     return v;
   }
+  /// Counts as the work to parse it too, because most texts are parsed next.
   std::string text() {
     const std::uint64_t size = length(1);
+    pacer_.step(8 + size / 8);
     std::string s(static_cast<std::size_t>(size), '\0');
     take(s.data(), s.size());
     return s;
@@ -63,8 +70,16 @@ class ByteReader {
   template <class T>
   std::vector<T> array() {
     static_assert(std::is_trivially_copyable_v<T>);
-    std::vector<T> values(static_cast<std::size_t>(length(sizeof(T))));
-    take(values.data(), values.size() * sizeof(T));
+    constexpr std::size_t kAtOnce = kBytesBetweenPolls / sizeof(T);
+    const auto count = static_cast<std::size_t>(length(sizeof(T)));
+    std::vector<T> values;
+    values.reserve(count);
+    while (values.size() < count) {
+      execution_.poll();
+      const std::size_t begin = values.size(), more = std::min(count - begin, kAtOnce);
+      values.resize(begin + more);
+      take(values.data() + begin, more * sizeof(T));
+    }
     return values;
   }
   /// Returns a view of the next `size` bytes. Fails and returns an empty view if there are fewer.
@@ -82,6 +97,7 @@ class ByteReader {
     return 0;
   }
   bool good() const { return good_; }
+  const Execution& execution() const { return execution_; }
   std::size_t left() const { return bytes_.size(); }
   bool at_end() const { return good_ && bytes_.empty(); }
 
@@ -96,6 +112,8 @@ class ByteReader {
     bytes_ = {};
   }
   std::span<const std::byte> bytes_;
+  const Execution& execution_;
+  Pacer pacer_;
   bool good_ = true;
 };
 

@@ -27,9 +27,10 @@ constexpr std::uint64_t kReserved = 2;
 /// Shorter tries are not remembered, because repeating them costs little.
 constexpr milliseconds kWorthRemembering{50};
 
-std::uint64_t expected_memory(std::span<const std::byte> mesh, std::span<const ImportFile> files) {
-  std::uint64_t pixels = largest_picture(mesh);
-  for (const ImportFile& file : files) pixels = std::max(pixels, largest_picture(file.bytes));
+std::uint64_t expected_memory(std::span<const std::byte> mesh, std::span<const ImportFile> files,
+                              const Execution& execution) {
+  std::uint64_t pixels = largest_picture(mesh, execution);
+  for (const ImportFile& file : files) pixels = std::max(pixels, largest_picture(file.bytes, execution));
   return kLeastMemory + kMemoryPerByte * input_bytes(mesh, files) +
          kMemoryPerPixel * std::min(pixels, kMostPixels);
 }
@@ -74,7 +75,7 @@ Expected<Mesh> ImportPool::import(std::span<const std::byte> mesh, MeshFormat fo
   }
   Try attempt;
   // The estimate is high, so the first try leaves a quarter to others. If the file needs more, the next try gets everything.
-  attempt.memory_bytes = std::min(most - most / 4, expected_memory(mesh, files));
+  attempt.memory_bytes = std::min(most - most / 4, expected_memory(mesh, files, execution));
   for (;;) {
     const Allowance::Temporary held(execution.allowance);
     execution.made(Product::kImportBytes, kReserved * attempt.memory_bytes);
@@ -133,8 +134,8 @@ std::optional<Expected<Mesh>> ImportPool::import_within(Try& attempt, const Inpu
     if (lacked_memory(result) && attempt.memory_bytes > 0)
       result.error().detail =
           "The importer needed more than " + data_size(attempt.memory_bytes) +
-          " of memory for this file. The limit is --import-memory, or half of the part of "
-          "--max-working that one computation may use. Send a smaller mesh, or raise these settings.";
+          " of memory for this file. The limit is the smaller of --import-memory and half of the "
+          "memory that one computation may use (--max-working). Send a smaller mesh, or raise these settings.";
     if (lacked_memory(result))
       memo_.add(input.name, result.error(), most_of(attempt.memory_bytes));
     else if (over_limit || death == WorkerDeath::kCrash)

@@ -177,8 +177,8 @@ std::string import_worker_beside_this_program() {
   std::string program(path, static_cast<std::size_t>(std::max<ssize_t>(length, 0)));
   program.replace(program.rfind('/') + 1, std::string::npos, "fracture-import");
   if (::access(program.c_str(), X_OK) != 0)
-    throw std::runtime_error("there is no program " + program +
-                             ", which reads mesh files: install it with this one");
+    throw std::runtime_error("the program " + program +
+                             ", which reads mesh files, is missing: install it with this program");
   return program;
 }
 

@@ -4,10 +4,12 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <span>
 #include <utility>
 #include <vector>
 
 #include "common/base/json_reader.hpp"
+#include "common/base/pacer.hpp"
 #include "common/base/utf8.hpp"
 #include "common/import/text_encoding.hpp"
 #include "common/mesh/copied_limits.hpp"
@@ -146,25 +148,26 @@ json read_json(ByteReader& in, const ImportLimits& limits) {
   const std::string text = in.text();
   // The depth is limited because everything that visits the values recurses. It may exceed the file's limit by a few levels,
   // because lists enclose the file's objects.
-  auto read = fracture::read_json(text, {limits.max_json_depth + 8, kMaxListBytes});
+  auto read = fracture::read_json(text, {limits.max_json_depth + 8, kMaxListBytes}, in.execution());
   if (!read) throw BadReply("a JSON " + to_text(read.error()));
   return std::move(read->value);
 }
 
 /// The text is written into answers as it is, so it must be the members of an object.
-void check_extras(const std::string& members, const ImportLimits& limits) {
+void check_extras(const std::string& members, const ImportLimits& limits, const Execution& execution) {
   if (members.empty()) return;
-  const auto read = fracture::read_json("{" + members + "}", {limits.max_json_depth + 8, kMaxListBytes});
+  const auto read =
+      fracture::read_json("{" + members + "}", {limits.max_json_depth + 8, kMaxListBytes}, execution);
   require(read && read->value.is_object() && !read->value.empty(), "the extras of a node are not JSON");
   for (const char* own : {"fracture", "intact", "whole"})
-    require(!read->value.contains(own), "the extras of a node are those of an answer");
+    require(!read->value.contains(own), "a node's extras contain members that only an answer may have");
 }
 
 void read_empty_node(ByteReader& in, const ImportLimits& limits, EmptyNode& node) {
   node.name = in.text();
   node.extras = in.text();
   require(is_utf8(node.name) && is_utf8(node.extras), "text is not UTF-8");
-  check_extras(node.extras, limits);
+  check_extras(node.extras, limits, in.execution());
   for (Vec3d* column : {&node.x, &node.y, &node.z, &node.t}) {
     *column = in.value<Vec3d>();
     require(std::isfinite(column->x) && std::isfinite(column->y) && std::isfinite(column->z),
@@ -180,19 +183,18 @@ SourceTree read_source_tree(ByteReader& in, const ImportLimits& limits) {
     node.name = in.text();
     node.parent = in.value<std::uint32_t>();
     node.extras = in.text();
-    require(!node.name.empty() && is_utf8(node.name) && is_utf8(node.extras),
-            "a text is not UTF-8, or empty");
-    require(node.name.size() <= kMostNodeName, "the name of a node of the source is too long");
-    check_extras(node.extras, limits);
-    require(node.parent < level.size() || node.parent == kNoIndex, "a node of the source is not in a tree");
+    require(!node.name.empty() && is_utf8(node.name) && is_utf8(node.extras), "a text is empty or not UTF-8");
+    require(node.name.size() <= kMostNodeName, "the name of a source node is too long");
+    check_extras(node.extras, limits, in.execution());
+    require(node.parent < level.size() || node.parent == kNoIndex, "a source node is not part of a tree");
     level.push_back(node.parent == kNoIndex ? 1 : level[node.parent] + 1);
-    require(level.back() <= kMostSourceLevels, "a node of the source is below too many others");
+    require(level.back() <= kMostSourceLevels, "a source node is nested too deeply");
   }
   tree.of_instance = in.array<std::uint32_t>();
   for (const std::uint32_t node : tree.of_instance)
-    require(node < tree.nodes.size(), "an instance is not a node of the source");
+    require(node < tree.nodes.size(), "an instance is not a source node");
   require(std::is_sorted(tree.of_instance.begin(), tree.of_instance.end()),
-          "the instances are not in the order of the nodes of the source");
+          "the instances are not in the order of the source nodes");
   return tree;
 }
 
@@ -205,14 +207,13 @@ json read_objects(ByteReader& in, const ImportLimits& limits) {
 }
 
 template <class T>
-bool all_finite(const std::vector<T>& values) {
+bool is_finite(const T& value) {
   static_assert(sizeof(T) % sizeof(float) == 0);
-  const auto* begin = reinterpret_cast<const float*>(values.data());
-  return std::all_of(begin, begin + values.size() * (sizeof(T) / sizeof(float)),
-                     [](float x) { return std::isfinite(x); });
+  const auto* begin = reinterpret_cast<const float*>(&value);
+  return std::all_of(begin, begin + sizeof(T) / sizeof(float), [](float x) { return std::isfinite(x); });
 }
 
-void check_mesh(const Mesh& mesh, const ImportLimits& limits) {
+void check_mesh(const Mesh& mesh, const ImportLimits& limits, const Execution& execution) {
   const std::size_t wedges = mesh.positions.size(), triangles = mesh.triangles.size();
   require(std::isfinite(mesh.frame.metres) && mesh.frame.metres > 0, "the unit is not a positive length");
   for (int axis = 0; axis < 3; ++axis)
@@ -221,24 +222,28 @@ void check_mesh(const Mesh& mesh, const ImportLimits& limits) {
   require(wedges < kNoIndex, "there are too many vertices");
   const auto complete = [&](const auto& values) {
     require(values.empty() || values.size() == wedges, "an attribute is not given for every vertex");
-    require(all_finite(values), "an attribute is not finite");
+    require(all_of_with_polls(execution, values, [](const auto& value) { return is_finite(value); }),
+            "an attribute is not finite");
   };
   complete(mesh.positions);
   complete(mesh.attributes.normals);
   complete(mesh.attributes.tangents);
   for (const auto& set : mesh.attributes.uvs) complete(set);
   for (const auto& set : mesh.attributes.colors) complete(set);
-  for (const auto& triangle : mesh.triangles)
-    for (const std::uint32_t wedge : triangle) require(wedge < wedges, "a triangle names no vertex");
+  const auto names_vertices = [wedges](const auto& t) {
+    return t[0] < wedges && t[1] < wedges && t[2] < wedges;
+  };
+  require(all_of_with_polls(execution, mesh.triangles, names_vertices), "a triangle names no vertex");
   require(mesh.material.size() == triangles && mesh.node.size() == triangles,
           "a triangle has no material or node");
   require(mesh.triangle_color.empty() || mesh.triangle_color.size() == triangles,
           "the colour is not given for every triangle");
-  for (const std::uint32_t node : mesh.node)
-    require(node < mesh.node_names.size(), "a triangle names no node");
+  const std::size_t nodes = mesh.node_names.size();
+  require(all_of_with_polls(execution, mesh.node, [nodes](std::uint32_t node) { return node < nodes; }),
+          "a triangle names no node");
   for (std::size_t k = 0; k < mesh.groups.size(); ++k)
     require(mesh.groups[k].parent < k || mesh.groups[k].parent == kNoIndex,
-            "a group of nodes is not in a tree");
+            "a group of nodes is not part of a tree");
   require(mesh.node_extras.empty() || mesh.node_extras.size() == mesh.node_names.size(),
           "the extras are not given for every node");
   require(mesh.group_of_node.empty() || mesh.group_of_node.size() == mesh.node_names.size(),
@@ -246,15 +251,17 @@ void check_mesh(const Mesh& mesh, const ImportLimits& limits) {
   for (const std::uint32_t group : mesh.group_of_node)
     require(group < mesh.groups.size() || group == kNoIndex, "a node names no group");
   require(!mesh.source_tree || mesh.source_tree->of_instance.size() == mesh.node_names.size(),
-          "the node of the source is not given for every instance");
+          "the source node is not given for every instance");
   require(mesh.instances.empty() || mesh.instances.size() == mesh.node_names.size(),
           "the instance is not given for every node");
   const std::size_t materials = mesh.library->materials.size();
-  for (const std::uint32_t slot : mesh.material)
-    require(slot < materials || slot == kNoIndex, "a triangle names no material");
+  const auto names_material = [materials](std::uint32_t slot) {
+    return slot < materials || slot == kNoIndex;
+  };
+  require(all_of_with_polls(execution, mesh.material, names_material), "a triangle names no material");
 }
 
-Mesh read_mesh(ByteReader& in, const ImportLimits& limits) {
+Mesh read_mesh(ByteReader& in, const ImportLimits& limits, const Execution& execution) {
   Mesh mesh;
   mesh.frame.metres = in.value<double>();
   mesh.frame.metres_stated = in.value<std::uint8_t>() != 0;
@@ -274,7 +281,7 @@ Mesh read_mesh(ByteReader& in, const ImportLimits& limits) {
   mesh.node_extras = read_texts(in);
   const std::string* before = nullptr;
   for (const std::string& extras : mesh.node_extras) {  // the instances of a node have the same ones
-    if (before == nullptr || extras != *before) check_extras(extras, limits);
+    if (before == nullptr || extras != *before) check_extras(extras, limits, execution);
     before = &extras;
   }
   mesh.empty_nodes.resize(in.length(2 * sizeof(std::uint64_t) + 4 * sizeof(Vec3d)));
@@ -297,7 +304,7 @@ Mesh read_mesh(ByteReader& in, const ImportLimits& limits) {
   }
   MaterialLibrary library;
   for (json* list : json_lists(library)) *list = read_objects(in, limits);
-  require(has_sound_variants(library), "the variants of a material do not exist, or are too long");
+  require(has_sound_variants(library), "the variants of a material do not exist or are too long");
   library.images.resize(in.length(3 * sizeof(std::uint64_t)));
   for (Image& image : library.images) {
     image.name = in.text();
@@ -319,7 +326,7 @@ Mesh read_mesh(ByteReader& in, const ImportLimits& limits) {
       require(is_utf8(*text), "text is not UTF-8");
     }
   require(in.at_end(), "the mesh has too few or too many bytes");
-  check_mesh(mesh, limits);
+  check_mesh(mesh, limits, execution);
   return mesh;
 }
 
@@ -370,13 +377,14 @@ std::vector<std::byte> encode_reply(const Expected<Mesh>& imported) {
   return out.take();
 }
 
-Expected<Mesh> decode_reply(std::span<const std::byte> bytes, const ImportLimits& limits) {
-  ByteReader in(bytes);
+Expected<Mesh> decode_reply(std::span<const std::byte> bytes, const ImportLimits& limits,
+                            const Execution& execution) {
+  ByteReader in(bytes, execution);
   require(in.value<std::uint32_t>() == kMagic, "the reply has a different version");
   const auto kind = in.value<std::uint32_t>();
   if (kind == kError) return tl::unexpected<Error>(read_error(in, limits));
   require(kind == kMesh, "the reply is neither a mesh nor an error");
-  return read_mesh(in, limits);
+  return read_mesh(in, limits, execution);
 }
 
 }  // namespace fracture

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/base/error.hpp"
+#include "common/base/execution.hpp"
 #include "common/import/import_input.hpp"
 #include "common/mesh/mesh.hpp"
 
@@ -22,7 +23,8 @@ class BadReply : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Decodes a worker's reply. Returns the mesh or the worker's typed error. Throws BadReply.
-Expected<Mesh> decode_reply(std::span<const std::byte> bytes, const ImportLimits& limits);
+/// Decodes a worker's reply. Returns the mesh or the worker's typed error. Throws BadReply and Interrupted.
+Expected<Mesh> decode_reply(std::span<const std::byte> bytes, const ImportLimits& limits,
+                            const Execution& execution = kUninterrupted);
 
 }  // namespace fracture

@@ -10,6 +10,8 @@
 #include <system_error>
 #include <utility>
 
+#include "common/base/pacer.hpp"
+
 namespace fracture {
 
 Descriptor make_shared_memory(const char* name) {
@@ -17,13 +19,15 @@ Descriptor make_shared_memory(const char* name) {
   if (fd < 0 && (errno == ENOSYS || errno == EPERM || errno == EACCES))  // a container may forbid it
     for (const char* folder : {"/dev/shm", "/tmp"})
       if ((fd = ::open(folder, O_TMPFILE | O_RDWR | O_CLOEXEC, 0600)) >= 0) break;
-  if (fd < 0) throw std::system_error(errno, std::generic_category(), "shared memory for an import worker");
+  if (fd < 0)
+    throw std::system_error(errno, std::generic_category(),
+                            "cannot create shared memory for an import worker");
   return Descriptor(fd);
 }
 
 bool seal(int fd) { return ::fcntl(fd, F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_WRITE) == 0; }
 
-SealedBytes SealedBytes::take(int fd, std::uint64_t size) {
+SealedBytes SealedBytes::take(int fd, std::uint64_t size, const Execution& execution) {
   SealedBytes bytes;
   const bool sealed = seal(fd);
   struct stat status {};
@@ -33,9 +37,11 @@ SealedBytes SealedBytes::take(int fd, std::uint64_t size) {
     bytes.mapping_ = mapping;
     bytes.view_ = {static_cast<const std::byte*>(mapping), static_cast<std::size_t>(size)};
   } else {
-    bytes.copy_.resize(size);
+    resize_with_polls(execution, bytes.copy_, size);
     for (std::size_t at = 0; at < size;) {
-      const ssize_t n = ::pread(fd, bytes.copy_.data() + at, size - at, static_cast<off_t>(at));
+      execution.poll();
+      const std::size_t piece = std::min<std::uint64_t>(size - at, kBytesBetweenPolls);
+      const ssize_t n = ::pread(fd, bytes.copy_.data() + at, piece, static_cast<off_t>(at));
       if (n < 0 && errno == EINTR) continue;
       if (n <= 0) return bytes;  // it was shortened in the meantime
       at += static_cast<std::size_t>(n);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/base/descriptor.hpp"
+#include "common/base/execution.hpp"
 
 namespace fracture {
 
@@ -19,10 +20,10 @@ bool seal(int fd);
 
 /// The first `size` bytes of shared memory, read-only, which no process can change after they were checked. The memory is
 /// sealed and mapped. If it cannot be sealed (because a process may still write through a mapping) or mapped, the bytes are
-/// copied. good() is false if the memory is shorter.
+/// copied, with polls. good() is false if the memory is shorter. Throws Interrupted.
 class SealedBytes {
  public:
-  static SealedBytes take(int fd, std::uint64_t size);
+  static SealedBytes take(int fd, std::uint64_t size, const Execution& execution = kUninterrupted);
   SealedBytes() = default;
   SealedBytes(SealedBytes&& other) noexcept;
   SealedBytes& operator=(SealedBytes&&) = delete;

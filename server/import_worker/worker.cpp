@@ -119,8 +119,8 @@ std::uint64_t address_space() {
   return pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
 }
 
-/// Reserves untouched room on the heap for the lists of a reader, and keeps it between files. If the system has huge pages,
-/// the room uses them: eight page faults for 16 MiB instead of 4096.
+/// Reserves untouched memory on the heap for the lists of a reader, and keeps it between files. If the system has huge pages,
+/// this memory uses them: 16 MiB then takes 8 page faults instead of 4096.
 void make_room() {
   constexpr std::size_t kRoom = 20u << 20, kMost = 32u << 20, kPage = 2u << 20;
   ::mallopt(M_MMAP_THRESHOLD, kMost);
@@ -222,7 +222,7 @@ int import_worker_main(int argc, char** argv, const ImportFunction& import) {
   socklen_t size = sizeof type;
   if (!number(1, limits.memory_bytes) || !number(2, limits.cpu_seconds) ||
       ::getsockopt(kWorkerSocket, SOL_SOCKET, SO_TYPE, &type, &size) != 0 || type != SOCK_SEQPACKET) {
-    std::fprintf(stderr, "%s is started by fracture-server, which hands it a socket.\n",
+    std::fprintf(stderr, "%s works only when fracture-server starts it and passes it a socket.\n",
                  argc > 0 ? argv[0] : "fracture-import");
     return kNoServer;
   }

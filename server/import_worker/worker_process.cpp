@@ -16,6 +16,7 @@
 #include <system_error>
 #include <vector>
 
+#include "common/base/pacer.hpp"
 #include "common/base/spawn.hpp"
 #include "server/import_worker/mesh_codec.hpp"
 
@@ -24,6 +25,17 @@ namespace {
 
 /// Bytes allowed in a reply for names, warnings and an error's text.
 constexpr std::uint64_t kSlack = 1u << 20;
+
+/// Like write_all(), with polls. Throws Interrupted.
+bool write_with_polls(int fd, std::span<const std::byte> bytes, const Execution& execution) {
+  while (!bytes.empty()) {
+    execution.poll();
+    const auto piece = bytes.first(std::min(bytes.size(), kBytesBetweenPolls));
+    if (!write_all(fd, piece)) return false;
+    bytes = bytes.subspan(piece.size());
+  }
+  return true;
+}
 
 InputDigest to_digest(std::string_view hex) {
   InputDigest digest{};
@@ -74,7 +86,7 @@ WorkerProcess::WorkerProcess(ZygoteProcess& zygote, const WorkerProcessConfig& c
   if (!receive_in_time(socket_.get(), &hello_, sizeof hello_) || hello_.version != kProtocolVersion)
     problem = "a forked import worker ended before it was ready";
   else if (config.require_sandbox && hello_.seccomp == 0)
-    problem = "the sandbox of the import workers is required, and this machine allows no seccomp filter (" +
+    problem = "the sandbox of the import workers is required, but this machine allows no seccomp filter (" +
               std::generic_category().message(hello_.seccomp_errno) +
               "): allow seccomp and prctl in the container's own filter, or use --require-sandbox no to "
               "read files without this protection";
@@ -114,7 +126,7 @@ void WorkerProcess::allow_memory([[maybe_unused]] std::uint64_t bytes) {
 #ifndef FRACTURE_SANITIZED  // sanitizers reserve terabytes
   std::uint64_t has = first_space_;
   // Includes memory that earlier files have left behind. If /proc hides processes (hidepid), it hides the workers, because
-  // they are not traceable. Then this memory is not known, and the file gets less.
+  // they are not traceable. Then the amount of this memory is unknown, and the file gets less memory.
   if (std::uint64_t pages = 0; files_ > 1 || has == 0)
     if (std::ifstream statm("/proc/" + std::to_string(pid_) + "/statm"); statm >> pages)
       has = pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
@@ -208,7 +220,7 @@ Expected<Mesh> WorkerProcess::import(std::span<const std::byte> mesh, MeshFormat
   const auto add_part = [&](std::span<const std::byte> bytes) {
     constexpr std::byte kZeros[kInputAlignment] = {};
     const std::uint64_t size = aligned(bytes.size());
-    written = written && write_all(input.get(), bytes) &&
+    written = written && write_with_polls(input.get(), bytes, execution) &&
               write_all(input.get(), std::span(kZeros).first(size - bytes.size()));
     request.input_bytes += size;
   };
@@ -233,12 +245,12 @@ Expected<Mesh> WorkerProcess::import(std::span<const std::byte> mesh, MeshFormat
     last_words_ = "a reply of " + std::to_string(done.output_bytes) + " bytes";
     return died(WorkerDeath::kSizeLimit);
   }
-  const SealedBytes reply = SealedBytes::take(output.get(), done.output_bytes);
+  const SealedBytes reply = SealedBytes::take(output.get(), done.output_bytes, execution);
   try {
     if (!reply.good()) throw BadReply("the reply is shorter than announced");
-    return decode_reply(reply.view(), limits);
+    return decode_reply(reply.view(), limits, execution);
   } catch (const BadReply& bad) {
-    last_words_ = std::string("a reply that breaks a promise (") + bad.what() + ")";
+    last_words_ = std::string("an invalid reply (") + bad.what() + ")";
     return died(WorkerDeath::kCrash);
   }
 }

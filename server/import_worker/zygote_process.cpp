@@ -47,7 +47,7 @@ void describe_child(Spawn& spawn, int socket) {
 std::pair<Descriptor, Descriptor> socket_pair() {
   int ends[2];
   if (::socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends) != 0)
-    fail_to_start(errno, "a socket pair for an import worker");
+    fail_to_start(errno, "cannot create a socket pair for an import worker");
   return {Descriptor(ends[0]), Descriptor(ends[1])};
 }
 

@@ -178,11 +178,10 @@ TEST(MeshCodec, EveryBrokenPromiseIsFound) {
     });
   };
   EXPECT_EQ(broken([](Mesh& m) { m.source_tree = nullptr; }), "");
-  EXPECT_THAT(broken_tree([](SourceTree& t) { t.nodes[0].parent = 0; }), HasSubstr("not in a tree"));
+  EXPECT_THAT(broken_tree([](SourceTree& t) { t.nodes[0].parent = 0; }), HasSubstr("not part of a tree"));
   EXPECT_THAT(broken_tree([](SourceTree& t) { t.nodes[0].name = "\xff"; }), HasSubstr("UTF-8"));
   EXPECT_THAT(broken_tree([](SourceTree& t) { t.nodes[0].extras = "}"; }), HasSubstr("not JSON"));
-  EXPECT_THAT(broken_tree([](SourceTree& t) { t.of_instance[0] = 3; }),
-              HasSubstr("not a node of the source"));
+  EXPECT_THAT(broken_tree([](SourceTree& t) { t.of_instance[0] = 3; }), HasSubstr("not a source node"));
   EXPECT_THAT(broken_tree([](SourceTree& t) { t.of_instance.pop_back(); }), HasSubstr("every instance"));
   EXPECT_THAT(broken_tree([](SourceTree& t) { t.of_instance = {2, 1}; }), HasSubstr("order"));
   EXPECT_EQ(broken_tree([](SourceTree& t) { t.nodes[0].name.assign(256, 'a'); }), "");
@@ -190,7 +189,7 @@ TEST(MeshCodec, EveryBrokenPromiseIsFound) {
   EXPECT_THAT(broken_tree([](SourceTree& t) {
                 for (std::uint32_t k = 2; k < 70; ++k) t.nodes.push_back({"deep", k});
               }),
-              HasSubstr("below too many"));
+              HasSubstr("nested too deeply"));
   EXPECT_THAT(broken([](Mesh& m) {
                 MaterialLibrary library;
                 library.materials = {5};
