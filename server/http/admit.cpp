@@ -11,6 +11,7 @@
 #include "server/http/content_coding.hpp"
 #include "server/http/mesh_input.hpp"
 #include "server/http/multipart.hpp"
+#include "server/http/parameter_weight.hpp"
 #include "server/http/prefer.hpp"
 
 namespace fracture::http {
@@ -45,8 +46,8 @@ Problem no_path(Listener listener, const std::string& path) {
   if (elsewhere)
     return Problem(
         HttpProblem::kNotFound,
-        what + (listener == Listener::kPublic ? " on the public port. Ask the admin port (--admin-port)."
-                                              : " on the admin port. Ask the public port (--port)."));
+        what + (listener == Listener::kPublic ? " on the public port. Use the admin port (--admin-port)."
+                                              : " on the admin port. Use the public port (--port)."));
   return Problem(HttpProblem::kNotFound, what + ". GET /openapi.json lists all paths.");
 }
 
@@ -143,10 +144,11 @@ OrProblem<Admission> Api::admit(Listener listener, const RequestHead& head, cons
   if (carries == Carries::kQuery) {
     // The handler checks the query itself.
   } else if (carries != Carries::kNothing) {
-    // Check the parameters first, because their errors help the client most. A long query is parsed later, on
-    // the pool, with the body.
-    if (head.query.size() <= kParseInline)
-      if (auto parsed = service_.parameters().parse(raw_parameters(admission.query)); !parsed)
+    // Check the parameters first, because their errors help the client most. A query that takes long is parsed
+    // later, on the pool, with the body.
+    const std::vector<RawParameter> given = raw_parameters(admission.query);
+    if (parse_weight(head.query.size(), given, service_.parameters()) <= kParseInline)
+      if (auto parsed = service_.parameters().parse(given); !parsed)
         return tl::unexpected<Problem>(to_problem(std::move(parsed.error())));
   } else if (!admission.query.empty()) {
     return tl::unexpected<Problem>(to_problem(
@@ -201,8 +203,9 @@ std::optional<Problem> Api::refuse_overload(const RequestHead& head, const Admis
   OrProblem<Terms> terms = terms_of(head, *admission.route, payer);
   if (!terms) return std::move(terms.error());
   if (bytes <= kSmallBody) return std::nullopt;
-  const auto parsed = head.query.size() <= kParseInline
-                          ? service_.parameters().parse(raw_parameters(admission.query))
+  const std::vector<RawParameter> given = raw_parameters(admission.query);
+  const auto parsed = parse_weight(head.query.size(), given, service_.parameters()) <= kParseInline
+                          ? service_.parameters().parse(given)
                           : Expected<RequestParameters>();
   const ExpectedWork work =
       parsed ? expected_work(parsed->fracture, bytes, nullptr, 0, parsed->selection) : expected_work(bytes);
@@ -232,11 +235,11 @@ OrProblem<Terms> Api::terms_of(const RequestHead& head, const Route& route, cons
     double seconds = 0;
     const auto [end, error] = std::from_chars(given.data(), given.data() + given.size(), seconds);
     if (error != std::errc{} || end != given.data() + given.size() || !(seconds > 0) || seconds > 86400)
-      return tl::unexpected<Problem>(
-          to_problem({ErrorCode::kBadParameter,
-                      "Request-Timeout must be a number of seconds above 0, and at most 86,400; it was '" +
-                          shortened(printable(given)) + "'.",
-                      "Request-Timeout"}));
+      return tl::unexpected<Problem>(to_problem(
+          {ErrorCode::kBadParameter,
+           "Request-Timeout must be a number of seconds, more than 0 and at most 86,400; it was '" +
+               shortened(printable(given)) + "'.",
+           "Request-Timeout"}));
     const std::chrono::milliseconds own(static_cast<std::int64_t>(std::ceil(seconds * 1000)));
     if (own < time) setting = "the request's Request-Timeout";
     time = std::min(time, own);
@@ -262,8 +265,8 @@ std::optional<Problem> Api::refuse_media_type(const RequestHead& head, const Adm
     if (multipart_boundary(content_type)) return std::nullopt;
     return Problem(
         HttpProblem::kMalformedMultipart,
-        "The Content-Type has no valid boundary for the parts of the form. HTTP libraries add it if you leave "
-        "Content-Type out.");
+        "The Content-Type has no valid boundary. HTTP libraries add the boundary if you do not set Content-Type "
+        "yourself.");
   }
   for (const auto& [name, value] : admission.query)
     if (name == "format") return std::nullopt;

@@ -30,7 +30,7 @@ std::vector<std::uint8_t> gzipped(std::span<const std::uint8_t> body, const Exec
   const auto end = [](z_stream* s) { deflateEnd(s); };
   const std::unique_ptr<z_stream, decltype(end)> owner(&stream, end);
   if (body.size() > std::numeric_limits<uInt>::max())
-    throw InternalError("gzip in one piece is for less than 4 GiB");
+    throw InternalError("gzip cannot compress 4 GiB or more in one piece");
   std::vector<std::uint8_t> out;
   out.reserve(deflateBound(&stream, static_cast<uLong>(body.size())));
   stream.next_in = const_cast<Bytef*>(body.data());  // zlib only reads
@@ -55,7 +55,7 @@ std::vector<std::uint8_t> zstandard(std::span<const std::uint8_t> body, const Ex
   if (!context) throw std::bad_alloc();
   const auto set = [&](ZSTD_cParameter parameter, int value) {
     if (ZSTD_isError(ZSTD_CCtx_setParameter(context.get(), parameter, value)))
-      throw InternalError("zstd does not take a parameter");
+      throw InternalError("zstd rejected a parameter");
   };
   set(ZSTD_c_compressionLevel, kLevel);
   // The encoder then reads the body in place, so the output bytes are those of one-shot compression.

@@ -6,6 +6,7 @@
 #include <exception>
 #include <new>
 
+#include "common/base/words.hpp"
 #include "server/http/auth.hpp"
 
 namespace fracture::http {
@@ -33,11 +34,19 @@ Api::Api(Dispatcher& dispatcher, const HttpLimits& limits, const StoreConfig& st
       limits_(limits),
       bodies_(limits.max_bodies, limits.body_share(), {limits.max_small_bodies, kSmallBody},
               small_share(limits)),
-      answers_(limits.max_answers, limits.answer_share()),
+      answers_(limits.max_answers, limits.answer_share(),
+               [this](const std::string& address, std::uint64_t bytes,
+                      std::shared_ptr<const void>& aside) -> std::optional<HeldBuffers::Refusal> {
+                 const auto verdict = dispatcher_.set_aside("address " + address, bytes, aside);
+                 if (verdict == MemoryBudget::Verdict::kFits) return std::nullopt;
+                 return verdict == MemoryBudget::Verdict::kOverShare ? HeldBuffers::Refusal::kOverShare
+                                                                     : HeldBuffers::Refusal::kFull;
+               }),
       meshes_(store),
       held_meshes_(store.quota_bytes, store.quota_bytes / 2),
       ledger_(limits.answer_ledger),
-      jobs_(dispatcher, jobs) {
+      jobs_(dispatcher, jobs),
+      compressions_(dispatcher) {
   limits_text_ = describe_limits().dump(2) + "\n";
   patterns_text_ = service_.parameters().patterns_to_json().dump(2) + "\n";
   metrics_.add_source([this](ops::MetricWriter& writer) { write_metrics(writer); });
@@ -56,6 +65,22 @@ void Api::wait_idle() {
   closing_ = true;  // a running sweep does not schedule another one
   dispatcher_.timer().flush();
   dispatcher_.timer().clear();
+}
+
+std::optional<Problem> Api::hold_answer(const std::string& address, const void* owner, std::uint64_t bytes,
+                                        HeldBuffers::Hold& hold) {
+  if (bytes <= kSmallAnswer) return std::nullopt;
+  const auto refusal = answers_.take(address, owner, bytes, hold);
+  if (!refusal) return std::nullopt;
+  const bool share = *refusal == HeldBuffers::Refusal::kOverShare;
+  return Problem(
+             share ? ErrorCode::kOverShare : ErrorCode::kOverloaded,
+             share
+                 ? "This client's unread answers and other requests use up its share of the memory. Read the "
+                   "answers first."
+                 : "Unread answers and computations leave too little memory for this answer of " +
+                       data_size(bytes) + " (--max-answers, --max-working). Try again after Retry-After.")
+      .with("Retry-After", "2");
 }
 
 Expected<bool> Api::take_folder() {
@@ -95,7 +120,8 @@ void Api::answering(const Request& request, const Reply& reply,
   } catch (const Interrupted& interrupted) {
     error = to_error(interrupted);
   } catch (const std::bad_alloc&) {
-    error = {ErrorCode::kOutOfMemory, "There is not enough memory for this request now."};
+    error = {ErrorCode::kOutOfMemory,
+             "The server does not have enough memory for this request at the moment."};
   } catch (const std::exception& e) {
     error.detail = e.what();
   } catch (...) {

@@ -7,6 +7,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -16,6 +17,7 @@
 #include <utility>
 #include <vector>
 
+#include "server/http/compressions.hpp"
 #include "server/http/content_coding.hpp"
 #include "server/http/held_buffers.hpp"
 #include "server/http/limits.hpp"
@@ -31,7 +33,6 @@
 #include "server/service/memory_budget.hpp"
 #include "server/service/mesh_store.hpp"
 #include "server/service/service.hpp"
-#include "server/service/single_flight.hpp"
 #include "server/tenants/ledger.hpp"
 
 namespace fracture::http {
@@ -46,6 +47,12 @@ bool makes_job(Operation operation, const RequestHead& head);
 /// Returns whether the request is completed even if its client closes the connection. This applies to jobs
 /// and to uploads of meshes, because their results are kept on the server.
 bool goes_on_alone(Operation operation, const RequestHead& head);
+
+/// The answer to GET for a stored mesh.
+struct MeshDescription {
+  std::shared_ptr<const std::string> text;  ///< JSON
+  std::uint64_t triangles = 0;              ///< of the solid
+};
 
 class Api {
  public:
@@ -97,6 +104,10 @@ class Api {
   bool ready() const { return !draining() && !waits_for_folder(); }
   /// Returns the refusal for a reservation that could not grow.
   Problem no_memory(const MemoryBudget::Reservation& reservation) const;
+  /// Counts an answer's bytes as held by this client (client_of() its address) until `hold`, which must be
+  /// empty, is destroyed. Returns the refusal if there is no memory for them. Small answers are not counted.
+  std::optional<Problem> hold_answer(const std::string& address, const void* owner, std::uint64_t bytes,
+                                     HeldBuffers::Hold& hold);
   ClientShares& bodies() { return bodies_; }
   HeldBuffers& answers() { return answers_; }
   const MeshStore& meshes() const { return meshes_; }
@@ -106,11 +117,6 @@ class Api {
   const HttpLimits& limits() const { return limits_; }
 
  private:
-  /// Compression of answers: if several requests of one class want the same compressed answer, one of them
-  /// makes it.
-  using VariantFlights = SingleFlight<std::shared_ptr<const FractureResult>>;
-  struct VariantWaiter;
-
   /// Runs a handler and replies with what it returns, if anything; exceptions become problems.
   void answering(const Request& request, const Reply& reply,
                  const std::function<Answered()>& handle) noexcept;
@@ -158,16 +164,18 @@ class Api {
                         const std::shared_ptr<const FractureResult>& result, std::string_view cache_status,
                         const Reply& reply);
   /// Builds the answer in the coding that the client prefers, then replies with the result of `finish`. If
-  /// the compressed answer is not cached, it is compressed on the pool.
+  /// the compressed answer is not cached, it is compressed on the pool. `is_computed`: this request waited for
+  /// the computation. Then the compression takes turns with the client's further computations, so that results
+  /// do not pile up behind them. A request for a cached result waits in the queue instead, and is limited by it.
   using Finish = std::function<Answered(Response)>;
   Answered send_result(const std::shared_ptr<Request>& request, std::shared_ptr<const FractureResult> result,
                        const Representation& representation, const Terms& terms, const Reply& reply,
-                       Finish finish);
+                       Finish finish, bool is_computed = false);
 
   Answered put_mesh(const std::shared_ptr<Request>& request, const std::stop_token& gone, const Reply& reply);
-  /// Stores a prepared mesh and reuses the memory of its body.
-  Answered store(const Request& request, const FractureRequest& asked, const PreparedMesh& prepared,
-                 Body& body);
+  /// Stores a prepared mesh and reuses the memory of its body. Throws Interrupted.
+  Answered store(const Request& request, const FractureRequest& asked, const MeshDescription& description,
+                 Body& body, const Execution& execution);
   Answered get_mesh(const Request& request);
   Answered delete_mesh(const Request& request);
   OrProblem<std::shared_ptr<const StoredMesh>> stored_mesh(const Request& request, std::string_view id);
@@ -189,7 +197,8 @@ class Api {
   /// Returns whose quota this request uses: the owner's or, if all names share everything, the client's.
   static std::string holder_of(const Request& request);
   static MeshStore::Whose whose(const Request& request);
-  /// Returns whether this request may see the answer with this key.
+  /// Returns whether this request may see the answer with this key: its name has made or received it (AnswerLedger), or
+  /// has a job that is done with it. A job's result counts for the limits on jobs, so `cached_bytes` does not apply to it.
   bool may_see(const Request& request, const std::string& key);
   /// Lets the owner of this request see the requested answer once it is computed.
   void enter_in_ledger(const Request& request, Terms& terms);
@@ -201,6 +210,8 @@ class Api {
   Answered start_job(const std::shared_ptr<Request>& request, FractureRequest asked, const Terms& terms,
                      const Reply& reply);
   static bool sees(const Payer& payer, const JobView& job);
+  /// Returns the refusal for a result that is not found although a job of this name was done with it (Jobs::lost_result).
+  std::optional<Problem> lost_result(const Request& request, const std::string& key, bool nowhere = false);
   std::optional<JobView> find_job(const Request& request);
   /// Returns the refusal for a job that is not found.
   Problem no_job() const;
@@ -249,7 +260,7 @@ class Api {
   tenants::AnswerLedger ledger_;
   Jobs jobs_;
   std::string limits_text_, patterns_text_;  ///< built once, because they are long and constant
-  VariantFlights variants_;
+  Compressions compressions_;
   bool page_ = true;
   page::Samples samples_;
   std::atomic<bool> draining_{false}, closing_{false};

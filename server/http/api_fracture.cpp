@@ -2,6 +2,7 @@
 #include "server/http/api.hpp"
 #include "server/http/mesh_input.hpp"
 #include "server/http/multipart.hpp"
+#include "server/http/parameter_weight.hpp"
 #include "server/http/prefer.hpp"
 #include "server/http/result_response.hpp"
 
@@ -17,20 +18,21 @@ Answered Api::with_mesh_input(const std::shared_ptr<Request>& request, const std
   auto read = [this, request, body = std::move(body), terms = *terms,
                go_on = std::move(go_on)]() mutable -> Answered {
     std::shared_ptr<Body> own = std::move(body);
-    OrProblem<FractureRequest> input = read_mesh_input(
-        *request, own, service_, [&](const std::string& key) { return may_see(*request, key); });
-    if (!input) return tl::unexpected<Problem>(std::move(input.error()));
     Execution here;
     here.stop = terms.gone;
     here.turn = WorkerPool::turn();
     if (terms.deadline != std::chrono::steady_clock::time_point::max()) here.deadline = terms.deadline;
+    OrProblem<FractureRequest> input = read_mesh_input(
+        *request, own, service_, here, [&](const std::string& key) { return may_see(*request, key); });
+    if (!input) return tl::unexpected<Problem>(std::move(input.error()));
     input->digest = digest_of(*input, here).hex();
     return go_on(std::move(*input), std::move(own), terms);
   };
   // A form also contains parameters, of any size.
   const bool form = media_type_of(request->head.field("content-type")) == "multipart/form-data";
-  const bool few = request->head.query.size() <= kParseInline &&
-                   service_.earlier_bytes(raw_parameters(request->admission.query)) <= kEarlierInline;
+  const std::vector<RawParameter> given = raw_parameters(request->admission.query);
+  const bool few = parse_weight(request->head.query.size(), given, service_.parameters()) <= kParseInline &&
+                   service_.earlier_bytes(given) <= kEarlierInline;
   if (request->on_pool || (!form && size <= kReadInline && few)) return read();
   return on_pool(expected_reading(size), request, *terms, reply,
                  [read = std::move(read)](const Execution&) mutable { return read(); });
@@ -74,17 +76,19 @@ Answered Api::answer_fracture(const std::shared_ptr<Request>& request, const Fra
   const bool figures = request->admission.representation == kAsFigures;
   const auto representation = represent(request->head, *answer.result, figures);
   if (!representation) return tl::unexpected<Problem>(representation.error());
-  return send_result(request, answer.result, *representation, terms, reply,
-                     [status = cache_status(answer), timing = server_timing(answer), applied,
-                      queued = answer.queue_milliseconds,
-                      is_private = request->payer.account != nullptr](Response response) -> Answered {
-                       response.headers.emplace_back("Cache-Status", status);
-                       response.headers.emplace_back("Server-Timing", timing);
-                       if (is_private) response.headers.emplace_back("Cache-Control", "private");
-                       if (!applied.empty()) response.headers.emplace_back("Preference-Applied", applied);
-                       response.queue_milliseconds = queued;
-                       return response;
-                     });
+  return send_result(
+      request, answer.result, *representation, terms, reply,
+      [status = cache_status(answer), timing = server_timing(answer), applied,
+       queued = answer.queue_milliseconds,
+       is_private = request->payer.account != nullptr](Response response) -> Answered {
+        response.headers.emplace_back("Cache-Status", status);
+        response.headers.emplace_back("Server-Timing", timing);
+        if (is_private) response.headers.emplace_back("Cache-Control", "private");
+        if (!applied.empty()) response.headers.emplace_back("Preference-Applied", applied);
+        response.queue_milliseconds = queued;
+        return response;
+      },
+      answer.result_cache != CacheOutcome::kHit);
 }
 
 }  // namespace fracture::http

@@ -47,10 +47,11 @@ OrProblem<Page> page_of(const std::vector<std::pair<std::string, std::string>>& 
       if (!time) return wrong(name, "'before' must be the 'created' time of a job in this list.");
       page.filter.before = *time;
     } else {
-      return tl::unexpected<Problem>(to_problem(
-          {ErrorCode::kUnknownParameter,
-           "'" + name.substr(0, 100) + "' is not a parameter of this path; state, limit and before are.",
-           name.substr(0, 100)}));
+      return tl::unexpected<Problem>(
+          to_problem({ErrorCode::kUnknownParameter,
+                      "'" + name.substr(0, 100) +
+                          "' is not a parameter of this path; the parameters are state, limit and before.",
+                      name.substr(0, 100)}));
     }
   }
   return page;

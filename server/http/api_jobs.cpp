@@ -95,9 +95,9 @@ Problem Api::no_job() const {
         std::chrono::seconds(2)));
   return Problem(
       HttpProblem::kNotFound,
-      "This server does not know this job, or no longer knows it: finished jobs are deleted after " +
+      "This server does not know this job. It may have been deleted: finished jobs are deleted after " +
           short_number(static_cast<double>(jobs_.config().ttl.count()) / 1000) +
-          " s (--job-ttl). GET /jobs lists your jobs; send the request again for a new one.");
+          " s (--job-ttl). GET /jobs lists your jobs; to start a new job, send the request again.");
 }
 
 Answered Api::start_job(const std::shared_ptr<Request>& request, FractureRequest asked, const Terms& terms,
@@ -120,7 +120,9 @@ Answered Api::start_job(const std::shared_ptr<Request>& request, FractureRequest
       }
       // The client gets the complete answer now, so the job is removed from its list.
       jobs_.cancel(job->id);
-      if (job->error) return refusal(*job->error, request->id);
+      // A job that was done (100 percent) has only lost its result.
+      if (job->error && !(job->error->code == ErrorCode::kJobLost && job->percent == 100))
+        return refusal(*job->error, request->id);
       if (!job->answer)
         return refusal(
             overloaded(

@@ -1,14 +1,17 @@
-// Stored meshes: PUT, POST, GET and DELETE /meshes, and fracturing a stored mesh or estimating that. A game does the latter on a
-// collision: the request is a few bytes, and the mesh is not sent.
+// Stored meshes: PUT, POST, GET and DELETE /meshes, fracturing a stored mesh, and estimating the cost of doing so.
+// A game sends a fracture request on a collision: it is a few bytes, because the mesh is already stored.
 #include <algorithm>
 #include <stop_token>
 
 #include "common/base/json_text.hpp"
+#include "common/base/pacer.hpp"
 #include "common/base/printable.hpp"
 #include "common/base/words.hpp"
 #include "common/parameters/parameter_object.hpp"
 #include "server/http/api.hpp"
 #include "server/http/mesh_input.hpp"
+#include "server/http/parameter_weight.hpp"
+#include "server/service/admission.hpp"
 #include "server/service/estimate.hpp"
 #include "server/service/mesh_report.hpp"
 
@@ -23,8 +26,9 @@ Problem no_mesh(std::string_view id) {
   if (!digest_in(id))
     return Problem(HttpProblem::kNotFound,
                    std::string(kFormOfId) + "; it was '" + shortened(printable(id)) + "'.");
-  return Problem(HttpProblem::kNotFound, "This mesh is not (or no longer) stored here. PUT it to /meshes/" +
-                                             std::string(id) + ", then send the request again.");
+  return Problem(HttpProblem::kNotFound,
+                 "This mesh is not stored here, or has been deleted. PUT it to /meshes/" + std::string(id) +
+                     ", then send the request again.");
 }
 
 constexpr std::string_view kOfMesh = "Send a smaller mesh, or allow more time.";
@@ -34,14 +38,18 @@ Error of_upload(Error error) {
   return error;
 }
 
-std::string describe(const StoredMesh& mesh, const PreparedMesh& prepared, const StoreConfig& config) {
+MeshDescription describe(const FractureRequest& mesh, const PreparedMesh& prepared,
+                         const StoreConfig& config) {
+  std::uint64_t bytes = input_bytes(mesh.mesh, mesh.files);
+  for (const ImportFile& file : mesh.files) bytes += file.name.size();
   const nlohmann::ordered_json document = {{"id", std::string(kDigestScheme) + mesh.digest},
                                            {"format", extension_of(mesh.format)},
-                                           {"bytes", mesh.bytes()},
+                                           {"bytes", bytes},
                                            {"files", mesh.files.size()},
                                            {"ttl_s", config.ttl.count() / 1000},
                                            {"report", mesh_report(prepared)}};
-  return json_text(document, 2) + "\n";
+  return {std::make_shared<const std::string>(json_text(document, 2) + "\n"),
+          prepared.solid.triangles.size()};
 }
 
 Response description_of(const StoredMesh& mesh, int status) {
@@ -82,16 +90,27 @@ Answered Api::put_mesh(const std::shared_ptr<Request>& request, const std::stop_
         const auto asked = std::make_shared<FractureRequest>(input);
         const auto keep = [this, request, reply, asked, body,
                            terms](const std::shared_ptr<const PreparedMesh>& prepared) -> Answered {
-          const auto stored = [this, request, asked, body, prepared] {
-            return store(*request, *asked, *prepared, *body);
-          };
-          if (WorkerPool::turn()) return stored();
-          // The mesh is already prepared. Comparing it with the stored one and describing it is too slow for
-          // an io thread.
+          // Describing the mesh is too slow for an io thread. Copying a large mesh, or comparing it with the stored
+          // one, is a separate step, because it must let others go first: they may wait for this call to return.
           Terms storing = terms;
           storing.needs_seat = false;
-          return on_pool(expected_reading(asked->mesh.size()), request, storing, reply,
-                         [stored](const Execution&) { return stored(); });
+          storing.is_computed = WorkerPool::turn() != nullptr;
+          const std::uint64_t size = body->bytes.size();
+          if (!storing.is_computed)
+            return on_pool(expected_reading(size), request, storing, reply,
+                           [this, request, asked, body, prepared](const Execution& execution) {
+                             return store(*request, *asked, describe(*asked, *prepared, meshes_.config()),
+                                          *body, execution);
+                           });
+          // The step does not keep the solid in memory, because nobody would count it.
+          const MeshDescription description = describe(*asked, *prepared, meshes_.config());
+          const bool copies = is_kept_as_copy(*asked, body->bytes.capacity());
+          if (size <= kBytesBetweenPolls || (!copies && !meshes_.has(asked->digest)))
+            return store(*request, *asked, description, *body, kUninterrupted);
+          return on_pool(expected_reading(size), request, storing, reply,
+                         [this, request, asked, body, description](const Execution& execution) {
+                           return store(*request, *asked, description, *body, execution);
+                         });
         };
         std::optional<Error> overload = dispatcher_.prepare(
             std::move(input), terms,
@@ -108,17 +127,17 @@ Answered Api::put_mesh(const std::shared_ptr<Request>& request, const std::stop_
       });
 }
 
-Answered Api::store(const Request& request, const FractureRequest& asked, const PreparedMesh& prepared,
-                    Body& body) {
+Answered Api::store(const Request& request, const FractureRequest& asked, const MeshDescription& description,
+                    Body& body, const Execution& execution) {
   const std::uint64_t capacity = body.bytes.capacity();
   if (is_kept_as_copy(asked, capacity) && !body.reservation.grow_to(2 * capacity))
     return tl::unexpected<Problem>(no_memory(body.reservation));
-  const std::shared_ptr<StoredMesh> stored = stored_mesh_of(asked, capacity);
-  stored->description = std::make_shared<const std::string>(describe(*stored, prepared, meshes_.config()));
-  stored->triangles = prepared.solid.triangles.size();
+  const std::shared_ptr<StoredMesh> stored = stored_mesh_of(asked, capacity, execution);
+  stored->description = description.text;
+  stored->triangles = description.triangles;
   MeshStore::Owner owner{holder_of(request)};
   if (!owner_of(request).empty()) owner.share = request.payer.account->shares().stored_bytes;
-  const MeshStore::Put put = meshes_.put(stored, owner);
+  const MeshStore::Put put = meshes_.put(stored, owner, MeshStore::Clock::now(), execution);
   if (put == MeshStore::Put::kOverShare)
     return refuse(HttpProblem::kBodyTooLarge,
                   "The mesh takes " + data_size(stored->held()) + "; the limit for all stored meshes of '" +
@@ -131,7 +150,7 @@ Answered Api::store(const Request& request, const FractureRequest& asked, const 
                       " (--mesh-store). Send a smaller mesh, or raise the limit.");
   if (put == MeshStore::Put::kNoRoom)
     return tl::unexpected<Problem>(
-        Problem(ErrorCode::kOverloaded, "Meshes that requests are using take up most of the " +
+        Problem(ErrorCode::kOverloaded, "Meshes in use by requests occupy most of the " +
                                             data_size(meshes_.config().quota_bytes) +
                                             " for stored meshes (--mesh-store). Try again after Retry-After.")
             .with("Retry-After", "2"));
@@ -187,8 +206,8 @@ Answered Api::fracture_stored(const std::shared_ptr<Request>& request, std::stri
           if (mesh == given.end() || !mesh->value.is_string())
             return tl::unexpected<Problem>(to_problem(
                 {ErrorCode::kBadParameter,
-                 "A JSON body must name a stored mesh: {\"mesh\": \"sha256:...\", \"sites\": 50}. A glTF "
-                 "file has Content-Type: model/gltf+json.",
+                 "A JSON body must name a stored mesh: {\"mesh\": \"sha256:...\", \"sites\": 50}. To send a glTF "
+                 "file, use Content-Type: model/gltf+json.",
                  "mesh"}));
           id = mesh->value.get<std::string>();
           given.erase(mesh);
@@ -198,9 +217,12 @@ Answered Api::fracture_stored(const std::shared_ptr<Request>& request, std::stri
               to_problem({ErrorCode::kBadParameter,
                           "The format of a stored mesh is already known: leave 'format' out.", "format"}));
         // Even a request of two hundred bytes may refer to an answer whose parameters are a megabyte of
-        // points.
-        const std::uint64_t earlier = service_.earlier_bytes(given);
-        return with_parameters(earlier, kEarlierInline, request, terms, reply,
+        // points, or may have fifty entries of 'assign'.
+        const std::uint64_t own =
+            parse_weight(text.size() + request->head.query.size(), given, service_.parameters());
+        const std::uint64_t all =
+            service_.earlier_bytes(given) + (own > kParseInline ? kEarlierInline + own : 0);
+        return with_parameters(all, kEarlierInline, request, terms, reply,
                                [this, request, given = std::move(given), id = std::move(id), terms, reply] {
                                  return fracture_stored_mesh(request, given, id, terms, reply);
                                });
@@ -256,14 +278,24 @@ Answered Api::fracture_stored_mesh(const std::shared_ptr<Request>& request,
 Answered Api::estimate(const std::shared_ptr<Request>& request, FractureRequest asked, const Terms& terms,
                        const Reply& reply) {
   auto parameters = std::make_shared<const RequestParameters>(asked.parameters);
+  const std::shared_ptr<const void> owner = asked.owner;
   std::optional<Error> overload = dispatcher_.prepare(
       std::move(asked), terms,
-      [this, request, reply, parameters](Expected<std::shared_ptr<const PreparedMesh>> prepared) {
+      [this, request, terms, reply, parameters,
+       owner](Expected<std::shared_ptr<const PreparedMesh>> prepared) {
         answering(*request, reply, [&]() -> Answered {
           if (!prepared) return refusal(with_time(std::move(prepared.error()), *request), request->id);
-          const nlohmann::json document =
-              estimate_document(*parameters, (*prepared)->solid, dispatcher_.most_bytes());
-          return Response::text(200, "application/json", json_text(document, 2) + "\n");
+          const Step answer = [this, parameters, owner,
+                               mesh = *prepared](const Execution& execution) -> Answered {
+            const nlohmann::json document =
+                estimate_document(*parameters, {mesh->solid, execution}, dispatcher_.most_bytes());
+            return Response::text(200, "application/json", json_text(document, 2) + "\n");
+          };
+          // This may be an io thread, or the thread of another client's request for the same mesh.
+          const double seconds =
+              seconds_of_estimate(parameters->fracture, (*prepared)->solid, kEvaluationsWithAdvice);
+          if (seconds <= kEstimateInline) return answer(kUninterrupted);
+          return on_pool({seconds, 0}, request, terms, reply, answer);
         });
       });
   if (overload) return tl::unexpected<Problem>(to_problem(std::move(*overload)));

@@ -9,11 +9,10 @@ void Api::write_metrics(ops::MetricWriter& writer) const {
   writer.gauge("fracture_build_info",
                "Always 1; the labels are the versions of the server and its algorithm.", 1,
                {{"version", FRACTURE_VERSION}, {"algorithm", std::to_string(kAlgorithmVersion)}});
-  writer.gauge(
-      "fracture_ready",
-      "1 while the server accepts requests, 0 while it drains or waits for a folder that another server "
-      "is using.",
-      ready() ? 1 : 0);
+  writer.gauge("fracture_ready",
+               "1 while the server is ready, 0 while it is draining or waiting for a folder that another "
+               "server is using.",
+               ready() ? 1 : 0);
   const WorkerPool& pool = dispatcher_.pool();
   writer.gauge("fracture_queue_depth", "Computations waiting for a computing thread.",
                static_cast<double>(pool.queued()));
@@ -28,7 +27,7 @@ void Api::write_metrics(ops::MetricWriter& writer) const {
     writer.gauge(
         "fracture_predicted_wait_seconds",
         "Predicted queue time of a new computation, by priority class. The prediction is for the client that "
-        "used the most processor time, which waits longest.",
+        "has used the most processor time, because that client waits longest.",
         pool.backlog(priority).count(), {{"class", name}});
 
   const Dispatcher::Figures work = dispatcher_.figures();
@@ -70,13 +69,14 @@ void Api::write_metrics(ops::MetricWriter& writer) const {
   writer.gauge("fracture_stored_meshes", "Meshes in the store.", static_cast<double>(store.meshes));
   count("fracture_meshes_stored_total", "Meshes that clients have stored, including deleted ones.",
         store.stored);
-  count("fracture_meshes_expired_total", "Stored meshes deleted because nobody used them.", store.expired);
+  count("fracture_meshes_expired_total",
+        "Stored meshes deleted because they were not used within --mesh-ttl.", store.expired);
   count("fracture_meshes_evicted_total", "Stored meshes deleted to make room for others.", store.evicted);
 
   const JobFigures jobs = jobs_.figures();
   writer.gauge("fracture_jobs", "Jobs, including finished ones.", static_cast<double>(jobs.jobs));
   writer.gauge("fracture_jobs_unfinished", "Jobs waiting or running.", static_cast<double>(jobs.unfinished));
-  count("fracture_jobs_started_total", "Jobs started by Prefer: respond-async.", jobs.started);
+  count("fracture_jobs_started_total", "Jobs started by requests with Prefer: respond-async.", jobs.started);
   count("fracture_jobs_forgotten_total", "Finished jobs deleted after --job-ttl.", jobs.expired);
   count("fracture_jobs_resumed_total", "Jobs that continued after a restart.", jobs.resumed);
   if (const auto disk = jobs_.disk_figures()) {
@@ -97,8 +97,8 @@ void Api::write_metrics(ops::MetricWriter& writer) const {
   const auto up = [&](const char* tier, bool is_up) {
     writer.gauge(
         "fracture_cache_tier_up",
-        "1 if this cache tier (the folder or Redis) can be used. 0: the folder cannot be used or belongs to another server, or "
-        "Redis does not answer.",
+        "1 if this cache tier (the folder or Redis) can be used; 0 if the folder cannot be used or another server is using it, or "
+        "if Redis does not answer.",
         is_up, {{"cache", "result"}, {"tier", tier}});
   };
   if (tiers.disk || tiers.disk_unusable)

@@ -77,7 +77,7 @@ OrProblem<Response> Api::get_page(const Request& request, std::string_view path)
     return response;
   }
   return refuse(HttpProblem::kNotFound,
-                !page_                  ? "This server shows no page (--no-page)."
+                !page_                  ? "This server does not offer the web page (--no-page)."
                 : page::files().empty() ? "This server was built without its page."
                                         : "The page has no file '" + std::string(path.substr(0, 100)) + "'.");
 }

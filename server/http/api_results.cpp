@@ -3,14 +3,12 @@
 #include <algorithm>
 #include <charconv>
 #include <memory>
-#include <new>
 #include <stop_token>
 
 #include "common/base/printable.hpp"
 #include "server/http/accept.hpp"
 #include "server/http/api.hpp"
 #include "server/http/result_response.hpp"
-#include "server/service/leave_early.hpp"
 
 namespace fracture::http {
 namespace {
@@ -23,7 +21,7 @@ Problem no_result(std::string_view id) {
                        shortened(printable(id)) + "'.");
   return Problem(
       HttpProblem::kNotFound,
-      "This result is not (or no longer) in the cache. Send the same fracture request again to recompute it.");
+      "This result is not in the cache, or has been removed from it. Send the same fracture request again to recompute it.");
 }
 
 struct Range {
@@ -94,53 +92,37 @@ Answered ranged(const RequestHead& head, bool head_only, Response response) {
 
 }  // namespace
 
-/// A request that waits for a compressed answer. Owned by the flight's waiter.
-struct Api::VariantWaiter : std::enable_shared_from_this<VariantWaiter> {
-  using Made = std::shared_ptr<const FractureResult>;
-  VariantWaiter(VariantFlights& its_flights, Timer& timer,
-                std::function<void(const Expected<Made>&)> its_reply)
-      : flights(its_flights), reply(std::move(its_reply)), early(timer) {}
-
-  /// Call after join(). May leave the flight, and so reply, before it returns.
-  void arm(const VariantFlights::Seat& taken, const Terms& terms) {
-    seat = taken;
-    early.arm(weak_from_this(), terms);
-  }
-  void leave(ErrorCode code) {
-    if (flights.leave(seat)) reply(tl::unexpected<Error>(to_error(Interrupted{code})));
-  }
-
-  VariantFlights& flights;
-  const std::function<void(const Expected<Made>&)> reply;
-  VariantFlights::Seat seat;
-  LeaveEarly early;
-};
-
 Answered Api::get_fracture(const std::shared_ptr<Request>& request, const std::stop_token& gone,
                            const Reply& reply) {
   // Only digests name results: the cache also holds data derived from results, under other names.
   const std::optional<std::string> named = digest_in(request->admission.segment);
-  if (!named || !may_see(*request, *named))
-    return tl::unexpected<Problem>(no_result(request->admission.segment));
+  const auto missing = [this, request, named](bool nowhere) -> Answered {
+    std::optional<Problem> lost = named ? lost_result(*request, *named, nowhere) : std::nullopt;
+    return tl::unexpected<Problem>(lost ? std::move(*lost) : no_result(request->admission.segment));
+  };
+  if (!named || !may_see(*request, *named)) return missing(false);
   const std::string& key = *named;
   if (const auto result = service_.find_result(key))
     return found_result(request, result, "result; hit", reply);
   if (const auto result = jobs_.find_result(key)) return found_result(request, result, "job; hit", reply);
   const auto bytes = service_.tiers().expected_bytes(key);
-  if (!bytes) return tl::unexpected<Problem>(no_result(request->admission.segment));
+  if (!bytes) return missing(true);
   // Reading blocks, so it must not run on this thread.
   OrProblem<Terms> terms = terms_of(*request, gone);
   if (!terms) return tl::unexpected<Problem>(std::move(terms.error()));
-  const auto read = [this, request, key, reply,
+  const auto read = [this, request, key, reply, missing,
                      client = terms->payer.flow.name](const Execution& execution) -> Answered {
     FractureAnswer answer;
     MemoryBudget::Reservation reading(dispatcher_.working());
     if (!service_.fetch_result(
             key, answer, [&](std::uint64_t needed) { return reading.grow_to(needed); }, execution, client))
       return tl::unexpected<Problem>(
-          Problem(ErrorCode::kOverloaded, "There is not enough memory to read this result now.")
+          Problem(ErrorCode::kOverloaded,
+                  "The server does not have enough memory to read this result at the moment.")
               .with("Retry-After", "2"));
-    if (!answer.result) return tl::unexpected<Problem>(no_result(request->admission.segment));
+    // Redis may only be unreachable, so only the disk can show that the result is lost.
+    if (!answer.result) return missing(answer.redis_cache == CacheOutcome::kNotConsulted);
+    reading = {};  // from here on, the result is counted as an answer
     return found_result(request, answer.result, cache_status(answer), reply);
   };
   return on_pool(expected_reading(*bytes), request, *terms, reply, read);
@@ -148,79 +130,48 @@ Answered Api::get_fracture(const std::shared_ptr<Request>& request, const std::s
 
 Answered Api::send_result(const std::shared_ptr<Request>& request,
                           std::shared_ptr<const FractureResult> result, const Representation& representation,
-                          const Terms& terms, const Reply& reply, Finish finish) {
+                          const Terms& terms, const Reply& reply, Finish finish, bool is_computed) {
   if (representation.coding == ContentCoding::kIdentity)
     return finish(result_response(result, representation, nullptr));
   const std::string key = variant_key(*result, representation);
   auto variant = service_.find_result(key);
   if (variant || request->admission.head_only)
     return finish(result_response(result, representation, variant));
-  using Made = std::shared_ptr<const FractureResult>;
+  // The result is held while it waits to be compressed. Caches may evict it in the meantime.
+  const auto held = std::make_shared<HeldBuffers::Hold>();
+  if (auto refusal = hold_answer(request->address, result.get(), memory_size(*result), *held))
+    return tl::unexpected<Problem>(std::move(*refusal));
+  Compressions::Wanted wanted;
+  wanted.key = key;
+  wanted.work = expected_coding(plain_bytes(*result, representation.figures).size());
+  wanted.terms = terms;
   // Jobs are in the background class, but here the result exists and a client waits for it.
-  const Priority priority = std::min(terms.priority, Priority::kBatch);
-  // Each class has its own flight, so that no request waits for the turn of a less urgent one.
-  const std::string flight_name = key + "." + std::to_string(static_cast<int>(priority));
-  // Each waiter has its own deadline, independent of the others.
-  const auto waiter = std::make_shared<VariantWaiter>(
-      variants_, dispatcher_.timer(),
-      [this, request, result, representation, reply, finish](const Expected<Made>& made) {
-        answering(*request, reply, [&]() -> Answered {
-          if (made) return finish(result_response(result, representation, *made));
-          // The uncompressed answer is still available.
-          if (const auto plain = as_it_is(request->head, *result, representation.figures))
-            return finish(result_response(result, *plain, nullptr));
-          return tl::unexpected<Problem>(
-              Problem(ErrorCode::kOverloaded, made.error().detail).with("Retry-After", "2"));
-        });
-      });
-  const auto seat = variants_.join(
-      flight_name, [waiter](const Expected<Made>& made, VariantFlights::Role) { waiter->reply(made); });
-  const auto not_made = [](std::string why) -> Expected<Made> {
-    return tl::unexpected<Error>(Error{ErrorCode::kOutOfMemory, std::move(why)});
-  };
-  const bool leads = seat.role == VariantFlights::Role::kLeader;
-  try {
-    waiter->arm(seat, terms);
-  } catch (const std::exception&) {  // nobody may wait forever or be answered twice
-    if (leads)
-      variants_.land(seat.flight, not_made("There is not enough memory to wait for this answer now."));
-    else if (variants_.leave(seat))
-      throw;
-    return std::nullopt;
-  }
-  if (!leads) return std::nullopt;
-  // The compression serves all waiters, so it continues if one of them leaves. A job's deadline applies only
-  // to its computation, so it is not used here.
-  Terms compressing = terms;
-  compressing.priority = priority;
-  compressing.deadline = std::chrono::steady_clock::now() + limits_.deadline;
-  compressing.gone = seat.flight->stop();
-  compressing.seat.reset();
-  compressing.needs_seat = false;
-  const auto compress = [this, flight = seat.flight, result, representation,
-                         not_made](const Execution& execution) {
-    Expected<Made> made = not_made("There is not enough memory to compress this answer now.");
+  wanted.terms.priority = std::min(terms.priority, Priority::kBatch);
+  wanted.terms.is_computed = is_computed;
+  // A job's deadline applies only to its computation, so it is not used here.
+  wanted.longest = limits_.deadline;
+  wanted.make = [this, result, representation](const Execution& execution) {
+    auto made = make_variant(*result, representation, execution);
     try {
-      made = make_variant(*result, representation, execution);
-      service_.keep_variant(*made);
-    } catch (const Interrupted& interrupted) {
-      made = not_made(to_error(interrupted).detail);
+      service_.keep_variant(made);
     } catch (const std::exception& e) {
-      if (!made) spdlog::warn("compressing an answer failed: {}", e.what());
+      spdlog::warn("keeping a compressed answer failed: {}", e.what());
     }
-    variants_.land(flight, made);
+    return made;
   };
-  const auto too_late = [this, flight = seat.flight, not_made](Error error) {
-    variants_.land(flight, not_made(std::move(error.detail)));
+  wanted.reply = [this, request, result, representation, reply, finish,
+                  held](const Expected<Compressions::Made>& made) {
+    *held = HeldBuffers::Hold();  // the session counts what is sent
+    answering(*request, reply, [&]() -> Answered {
+      if (made) return finish(result_response(result, representation, *made));
+      // The uncompressed answer is still available.
+      if (const auto plain = as_it_is(request->head, *result, representation.figures))
+        return finish(result_response(result, *plain, nullptr));
+      return tl::unexpected<Problem>(
+          Problem(ErrorCode::kOverloaded, made.error().detail).with("Retry-After", "2"));
+    });
   };
-  std::optional<Error> overload;
-  try {
-    overload = dispatcher_.run(expected_coding(plain_bytes(*result, representation.figures).size()),
-                               compressing, compress, too_late);
-  } catch (const std::exception&) {  // nobody may wait forever
-    overload = Error{ErrorCode::kOverloaded, "There is not enough memory to compress this answer now."};
-  }
-  if (overload) variants_.land(seat.flight, not_made(std::move(overload->detail)));
+  compressions_.obtain(std::move(wanted));
   return std::nullopt;
 }
 

@@ -20,7 +20,9 @@ MeshStore::Whose Api::whose(const Request& request) {
 }
 
 bool Api::may_see(const Request& request, const std::string& key) {
-  return whose(request) == MeshStore::Whose::kAnybodys || ledger_.has(owner_of(request), key);
+  if (whose(request) == MeshStore::Whose::kAnybodys) return true;
+  const std::string owner = owner_of(request);
+  return ledger_.has(owner, key) || jobs_.has_result(owner, key);
 }
 
 void Api::enter_in_ledger(const Request& request, Terms& terms) {
@@ -33,15 +35,17 @@ void Api::enter_in_ledger(const Request& request, Terms& terms) {
 
 void Api::enter_in_ledger(const tenants::Account& account, const std::string& owner, const std::string& key,
                           std::uint64_t bytes) {
-  for (const std::string& nobodys : ledger_.add(owner, key, bytes, account.shares().cached_bytes))
+  for (const std::string& nobodys : ledger_.add(owner, key, bytes, account.shares().cached_bytes)) {
+    if (jobs_.needs_result(nobodys)) continue;
     for (const std::string& name : kept_names_of(nobodys)) service_.forget_result(name);
+  }
 }
 
 void Api::resume_jobs(
     const std::function<std::shared_ptr<tenants::Account>(const std::string& name)>& account_of) {
   const auto terms_of = [this, account_of](const std::string& owner) {
     Terms terms;
-    terms.payer.flow.name = "jobs from an earlier process";
+    terms.payer.flow.name = "jobs from an earlier process";  // if their records do not name the client
     const auto account = owner.empty() ? nullptr : account_of(owner);
     if (!account) return terms;  // the name is gone from the token file: only an administrator sees the job
     terms.payer = {account, {"name " + account->name(), account->shares().weight}};
@@ -59,6 +63,14 @@ void Api::resume_jobs(
 
 bool Api::sees(const Payer& payer, const JobView& job) {
   return !payer.account || payer.account->sees(job.owner);
+}
+
+std::optional<Problem> Api::lost_result(const Request& request, const std::string& key, bool nowhere) {
+  const auto sees = [&payer = request.payer](const std::string& owner) {
+    return !payer.account || payer.account->sees(owner);
+  };
+  std::optional<Error> lost = jobs_.lost_result(key, sees, nowhere);
+  return lost ? std::optional(to_problem(std::move(*lost))) : std::nullopt;
 }
 
 std::optional<JobView> Api::find_job(const Request& request) {

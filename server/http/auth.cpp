@@ -112,8 +112,8 @@ std::optional<Problem> refuse_scope(const tenants::Account& account, const Reque
   const std::string names = names_of(wanted);
   if (names.empty() || account.scopes().has_any(wanted)) return std::nullopt;
   return Problem(HttpProblem::kForbidden,
-                 "The scopes of this token do not allow this request, which needs one of: " + names +
-                     ". Use a token with such a scope.")
+                 "This token's scopes do not allow this request. Use a token with one of these scopes: " +
+                     names + ".")
       .with("WWW-Authenticate",
             "Bearer realm=\"fracture\", error=\"insufficient_scope\", scope=\"" + names + "\"");
 }

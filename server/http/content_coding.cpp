@@ -5,11 +5,11 @@
 #include <zstd_errors.h>
 
 #include <algorithm>
-#include <limits>
 #include <memory>
 #include <vector>
 
 #include "common/base/bulk.hpp"
+#include "common/base/pacer.hpp"
 #include "common/base/words.hpp"
 #include "server/http/limits.hpp"
 #include "server/http/request_head.hpp"
@@ -17,8 +17,11 @@
 namespace fracture::http {
 namespace {
 
-/// Number of decoded bytes between two checks of the deadline.
-constexpr std::size_t kBlock = 256u << 10;
+/// Maximum number of decoded bytes between two polls.
+constexpr std::size_t kBlock = kBytesBetweenPolls;
+/// Maximum number of encoded bytes between two polls. A stream may consist of blocks that decode to nothing, of which a few
+/// bytes each make the decoder build its tables anew (some microseconds).
+constexpr std::size_t kEncodedBlock = 16u << 10;
 /// 8 MiB, the maximum window size for this coding in RFC 9659.
 constexpr int kMaxWindowLog = 23;
 
@@ -35,7 +38,7 @@ Outcome each_gzip_block(std::string_view body, Sink sink) {
   std::vector<char> block(kBlock);
   std::size_t read = 0;
   for (;;) {
-    const std::size_t piece = std::min<std::size_t>(body.size() - read, std::numeric_limits<uInt>::max());
+    const std::size_t piece = std::min(body.size() - read, kEncodedBlock);
     stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(body.data() + read));  // zlib only reads
     stream.avail_in = static_cast<uInt>(piece);
     stream.next_out = reinterpret_cast<Bytef*>(block.data());
@@ -59,12 +62,13 @@ Outcome each_zstd_block(std::string_view body, Sink sink) {
   const std::unique_ptr<ZSTD_DCtx, decltype(free)> context(ZSTD_createDCtx(), free);
   if (!context) throw std::bad_alloc();
   if (ZSTD_isError(ZSTD_DCtx_setParameter(context.get(), ZSTD_d_windowLogMax, kMaxWindowLog)))
-    throw InternalError("zstd does not take a window limit");
+    throw InternalError("zstd rejected the window limit");
   std::vector<char> block(kBlock);
-  ZSTD_inBuffer in{body.data(), body.size(), 0};
+  ZSTD_inBuffer in{body.data(), 0, 0};
   std::size_t pending = 1;  // 0 at the end of a frame
-  while (in.pos < in.size || pending != 0) {
+  while (in.pos < body.size() || pending != 0) {
     const std::size_t before = in.pos;
+    in.size = std::min(body.size(), before + kEncodedBlock);
     ZSTD_outBuffer out{block.data(), block.size(), 0};
     pending = ZSTD_decompressStream(context.get(), &out, &in);
     if (ZSTD_isError(pending))

@@ -40,7 +40,7 @@ def operations(document):
                 statuses = ", ".join(str(status) for status in operation["responses"] if status != "default")
                 lines.append(f"- `{method.upper()} {path}`{where}: {operation['summary']}. {statuses}")
     problems = document["components"]["schemas"]["Problem"]["properties"]["type"]["enum"]
-    return "\n".join([*lines, "", "Any operation may be answered with a problem: " + ", ".join(f"`{p}`" for p in problems) + "."])
+    return "\n".join([*lines, "", "Any operation may return one of these problems: " + ", ".join(f"`{p}`" for p in problems) + "."])
 
 
 proto, out = pathlib.Path(sys.argv[1]), sys.argv[2]

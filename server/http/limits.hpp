@@ -44,7 +44,7 @@ struct HttpLimits {
 };
 
 /// Bodies up to this size, as sent, count as small. Answers up to kSmallAnswer are not counted in
-/// max_answers.
+/// max_answers, but with their connections.
 inline constexpr std::uint64_t kSmallBody = 64u << 10;
 inline constexpr std::uint64_t kSmallAnswer = 64u << 10;
 
@@ -61,7 +61,8 @@ inline constexpr std::size_t kMaxFields = 128, kMaxMembers = 512;
 /// times, also with SHA-512, for which there are no such instructions, so their limit is lower.
 inline constexpr std::size_t kReadInline = 64u << 10, kDigestInline = 4u << 10;
 /// Queries and bodies with up to this many bytes of parameters in total are parsed and turned into cache keys
-/// on the io thread, in 0.1 ms. For parameters of an earlier answer, which are already parsed, the limit is
+/// on the io thread, in 0.1 ms. Entries of `assign` and unknown names take longer, and count as more bytes
+/// (parameter_weight.hpp). For parameters of an earlier answer, which are already parsed, the limit is
 /// kEarlierInline.
 inline constexpr std::uint64_t kParseInline = 512, kEarlierInline = 1u << 10;
 /// Maximum bytes hashed, inflated or sorted in one turn, or work that takes as long: a body with its cache
@@ -79,8 +80,8 @@ inline constexpr std::size_t kReadBuffer = 64u << 10;
 inline constexpr int kMaxUnsent = 128 << 10;
 /// Maximum bytes of an answer that are passed to the kernel in one turn.
 inline constexpr std::size_t kMaxWritten = 64u << 10;
-/// Memory of one connection, whatever its client does, without bodies and answers, which are counted
-/// separately.
-inline constexpr std::uint64_t kConnectionBytes = kReadBuffer + kMaxUnsent;
+/// Memory of one connection, whatever its client does, with a small answer. Bodies and larger answers are
+/// counted separately.
+inline constexpr std::uint64_t kConnectionBytes = kReadBuffer + kMaxUnsent + kSmallAnswer;
 
 }  // namespace fracture::http

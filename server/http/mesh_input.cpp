@@ -37,13 +37,15 @@ Problem unknown_format(const FormatSet& formats, std::string_view given) {
     detail = std::string(given).insert(0, 1, '\'') + "' is not a mesh format that this server reads.";
   return to_problem(
       {ErrorCode::kUnknownFormat,
-       detail + " Name it in Content-Type (for example model/gltf-binary), or as ?format= with one of " +
+       detail +
+           " Give a supported format in Content-Type (for example model/gltf-binary), or as ?format= with one of " +
            names + ".",
        "format"});
 }
 
 OrProblem<FractureRequest> read_mesh_input(const Request& request, std::shared_ptr<const Body> body,
-                                           FractureService& service, const FractureService::MaySee& may_see) {
+                                           FractureService& service, const Execution& execution,
+                                           const FractureService::MaySee& may_see) {
   std::vector<RawParameter> given = raw_parameters(request.admission.query);
   const std::string content_type = request.head.field("content-type");
   std::string_view mesh = body->bytes;
@@ -52,7 +54,7 @@ OrProblem<FractureRequest> read_mesh_input(const Request& request, std::shared_p
   std::vector<ImportFile> files;
 
   if (const auto boundary = multipart_boundary(content_type)) {
-    auto parts = parse_multipart(body->bytes, *boundary);
+    auto parts = parse_multipart(body->bytes, *boundary, execution);
     if (!parts) return tl::unexpected<Problem>(std::move(parts.error()));
     bool found = false;
     for (const FormPart& part : *parts) {
@@ -77,17 +79,18 @@ OrProblem<FractureRequest> read_mesh_input(const Request& request, std::shared_p
               "Two file parts have the same filename. Give each file the unique name by which the mesh refers to it.");
         files.push_back({name, std::as_bytes(std::span(part.body.data(), part.body.size()))});
       } else if (part.body.size() > kMaxField) {
-        return refuse(HttpProblem::kMalformedMultipart,
-                      "A form field without a filename has more than the limit of " + grouped(kMaxField) +
-                          " bytes. Give a file a filename, and send other fields in smaller parts.");
+        return refuse(
+            HttpProblem::kMalformedMultipart,
+            "A form field without a filename has more than " + grouped(kMaxField) +
+                " bytes, which is the limit. If it is a file, give it a filename. Send long parameters as JSON in the part 'params'.");
       } else {
         given.push_back({part.name, std::string(part.body), true});  // one parameter: sites=50
       }
     }
     if (!found)
-      return tl::unexpected<Problem>(to_problem(
-          {ErrorCode::kEmptyBody,
-           "The form has no part named 'mesh'. Name the part with the mesh file 'mesh'.", "mesh"}));
+      return tl::unexpected<Problem>(
+          to_problem({ErrorCode::kEmptyBody,
+                      "The form has no part named 'mesh'. Send the mesh file as the part 'mesh'.", "mesh"}));
   }
 
   const ParameterTable& table = service.parameters();

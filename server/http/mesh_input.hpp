@@ -21,9 +21,9 @@ struct Body {
 
 /// Reads the requested fracture. Its bytes are borrowed from the body, which it keeps alive. The parameters
 /// in the query, the part `params` and the form fields are combined. `of` may only refer to answers that the
-/// caller may see.
+/// caller may see. Throws Interrupted.
 OrProblem<FractureRequest> read_mesh_input(const Request& request, std::shared_ptr<const Body> body,
-                                           FractureService& service,
+                                           FractureService& service, const Execution& execution,
                                            const FractureService::MaySee& may_see = {});
 
 /// Returns 415 with the list of supported formats. `given`: the format that the client gave; may be empty.

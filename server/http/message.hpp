@@ -39,6 +39,7 @@ struct Request {
   std::vector<std::string> pieces;        ///< parts of a long chunked body before `body`, joined on the pool
   MemoryBudget::Reservation reservation;  ///< for the body
   std::string id;                         ///< X-Request-Id
+  std::string address;                    ///< client_of() its address, for which its answer is counted
   std::chrono::steady_clock::time_point received = std::chrono::steady_clock::now();  ///< when complete
   Payer payer;  ///< account of the token, or else the client's address
   /// For requests with a name: its seat among the name's computations, kept between the steps that need one

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 
+#include "common/base/polled_search.hpp"
 #include "common/base/text.hpp"
+#include "common/base/words.hpp"
 #include "server/http/request_head.hpp"
 
 namespace fracture::http {
@@ -39,11 +41,6 @@ std::optional<std::string> parameter_of(std::string_view value, std::string_view
 
 tl::unexpected<Problem> malformed_form(std::string detail) {
   return refuse(HttpProblem::kMalformedMultipart, std::move(detail));
-}
-
-tl::unexpected<Problem> around(std::size_t bytes, const char* where) {
-  return malformed_form("The form has " + std::to_string(bytes) + " bytes " + where +
-                        " boundary; the limit is " + std::to_string(kMaxAround) + ".");
 }
 
 OrProblem<FormPart> parse_part(std::string_view text) {
@@ -92,32 +89,36 @@ std::optional<std::string> multipart_boundary(std::string_view content_type) {
   return boundary;
 }
 
-OrProblem<std::vector<FormPart>> parse_multipart(std::string_view body, std::string_view boundary) {
+OrProblem<std::vector<FormPart>> parse_multipart(std::string_view body, std::string_view boundary,
+                                                 const Execution& execution) {
   // RFC 2046, section 5.1.1: [preamble CRLF] --B CRLF part CRLF --B CRLF part CRLF --B-- [CRLF epilogue]
   const std::string delimiter = "\r\n--" + std::string(boundary);
+  PolledSearch delimiters(body, delimiter, execution);
   std::size_t at = 0;
   if (body.substr(0, delimiter.size() - 2) == std::string_view(delimiter).substr(2)) {
     at = delimiter.size() - 2;
   } else {
-    at = body.find(delimiter);
-    if (at == std::string_view::npos)
-      return malformed_form("The boundary named in Content-Type never occurs in the body.");
-    if (at > kMaxAround) return around(at, "before its first");
+    at = delimiters.find(0, kMaxAround + 1);
+    if (at == PolledSearch::kNone)
+      return malformed_form("The first " + grouped(std::min(body.size(), kMaxAround)) +
+                            " bytes of the body do not contain the boundary that Content-Type names.");
     at += delimiter.size();
   }
   std::vector<FormPart> parts;
   for (;;) {
     if (body.substr(at, 2) == "--") {
       const std::size_t epilogue = body.size() - at - 2;
-      if (epilogue > kMaxAround) return around(epilogue, "after its last");
+      if (epilogue > kMaxAround)
+        return malformed_form("The form has " + grouped(epilogue) +
+                              " bytes after its last boundary; the limit is " + grouped(kMaxAround) + ".");
       return parts;
     }
     while (at < body.size() && (body[at] == ' ' || body[at] == '\t')) ++at;  // transport padding
     if (body.substr(at, 2) != "\r\n")
-      return malformed_form("A boundary line has further characters after the boundary.");
+      return malformed_form("A boundary line has other characters after the boundary.");
     at += 2;
-    const std::size_t end = body.find(delimiter, at);
-    if (end == std::string_view::npos)
+    const std::size_t end = delimiters.find(at);
+    if (end == PolledSearch::kNone)
       return malformed_form("The closing boundary is missing: the body was cut off.");
     if (parts.size() == kMaxParts)
       return malformed_form("There are more than " + std::to_string(kMaxParts) + " parts.");

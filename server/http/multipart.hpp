@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "common/base/execution.hpp"
 #include "server/http/problem.hpp"
 
 namespace fracture::http {
@@ -23,11 +24,13 @@ std::optional<std::string> multipart_boundary(std::string_view content_type);
 
 /// Limits: kMaxParts parts, kMaxPartHeader bytes in the header of each part, and kMaxAround bytes before the
 /// first and after the last boundary, which are ignored (RFC 2046, section 5.1.1). Refusals are
-/// kMalformedMultipart.
+/// kMalformedMultipart. `boundary`: from multipart_boundary(). The time is linear in the body, whatever it contains, and the first
+/// boundary is only looked for where it may be. Polls once per kBytesBetweenPolls. Throws Interrupted.
 inline constexpr std::size_t kMaxAround = 4096;
 inline constexpr std::size_t kMaxParts = 256;
 inline constexpr std::size_t kMaxPartHeader = 4096;
-OrProblem<std::vector<FormPart>> parse_multipart(std::string_view body, std::string_view boundary);
+OrProblem<std::vector<FormPart>> parse_multipart(std::string_view body, std::string_view boundary,
+                                                 const Execution& execution = kUninterrupted);
 
 /// Returns the media type without parameters: "model/obj; charset=utf-8" -> "model/obj".
 std::string media_type_of(std::string_view content_type);

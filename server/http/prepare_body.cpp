@@ -22,11 +22,13 @@ void release_body(Request& request) {
 }
 
 /// Joins the pieces of the body. Each piece is freed as it is appended, so the body is never in memory twice.
-void join_pieces(Request& request) {
+/// Throws Interrupted.
+void join_pieces(Request& request, const Execution& execution) {
   if (request.pieces.empty()) return;
   std::string whole;
   whole.reserve(request.body_bytes());
-  for (std::string& piece : request.pieces) {
+  for (std::string& piece : request.pieces) {  // of kBodyPiece bytes
+    execution.poll();
     whole += piece;
     std::string().swap(piece);
   }
@@ -128,7 +130,7 @@ Answered Api::prepared_body(const std::shared_ptr<Request>& request, const Prepa
   };
   try {
     execution.poll();  // the wait for this turn may have been long
-    join_pieces(*request);
+    join_pieces(*request, execution);
     if (!preparation.digest.empty())
       if (auto wrong = check_content_digest(preparation.digest, request->body, execution))
         return refused(std::move(*wrong));

@@ -16,8 +16,7 @@ asio::awaitable<std::optional<OrProblem<std::string>>> read_proxy_header(TimedSo
     if (!received.empty() && header.state != ProxyHeader::State::kIncomplete) {
       connection.clear_deadline();
       if (header.state == ProxyHeader::State::kMalformed)
-        co_return Result(
-            refuse(HttpProblem::kMalformedRequest, "The header of the PROXY protocol is malformed."));
+        co_return Result(refuse(HttpProblem::kMalformedRequest, "The PROXY protocol header is malformed."));
       buffer.consume(header.size);
       co_return Result(OrProblem<std::string>(std::move(header.address)));
     }

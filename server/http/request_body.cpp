@@ -121,7 +121,7 @@ asio::awaitable<BodyOutcome> read_body(TimedSocket& connection, beast::flat_buff
     }
     if (outcome.wire_bytes > kMaxWireFactor * received + kWireAllowance)
       co_return refused(Problem(HttpProblem::kHeaderTooLarge,
-                                "The body's chunks are too small, or their extensions too long: " +
+                                "The body's chunks are too small, or their extensions are too long: " +
                                     std::to_string(outcome.wire_bytes) + " bytes were sent for " +
                                     std::to_string(received) + " bytes of content."));
     if (parser.is_done()) break;

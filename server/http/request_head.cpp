@@ -96,11 +96,11 @@ OrProblem<bool> parse_fields(std::string_view block, RequestHead& head) {
     const std::string_view line = block.substr(0, end);
     block.remove_prefix(end + 2);
     if (line.front() == ' ' || line.front() == '\t')
-      return malformed_request("A header field is folded over several lines; write it on one.");
+      return malformed_request("A header field is folded over several lines; write it on one line.");
     const std::size_t colon = line.find(':');
     if (colon == std::string_view::npos || !is_token(line.substr(0, colon)))
       return malformed_request(
-          "A header line is not 'name: value' with a token as name and no space before the colon.");
+          "A header line must be 'name: value', with a token as the name and no space before the colon.");
     const std::string_view value = trimmed(line.substr(colon + 1));
     if (!is_field_value(value))
       return malformed_request("A header field has a control character in its value.");
@@ -156,8 +156,7 @@ OrProblem<bool> decide_framing(RequestHead& head) {
   const std::string expect = head.field("expect");
   if (!expect.empty()) {
     if (!equals_ignoring_case(expect, "100-continue"))
-      return refuse(HttpProblem::kExpectationFailed,
-                    "The only expectation that can be met is '100-continue'.");
+      return refuse(HttpProblem::kExpectationFailed, "The only supported expectation is '100-continue'.");
     head.expects_continue = head.minor_version == 1 && head.has_body();
   }
 

@@ -121,12 +121,12 @@ Response result_response(const std::shared_ptr<const FractureResult>& result,
   if (plain) {
     response.body = plain_bytes(*result, figures);
     response.owner = result;
-    response.owner_bytes = result->file.size();
+    response.owner_bytes = memory_size(*result);
     digest = figures ? &result->figures_digest : &result->file_digest;
   } else if (variant) {
     response.body = variant->file;
     response.owner = variant;
-    response.owner_bytes = variant->file.size();
+    response.owner_bytes = memory_size(*variant);
     digest = &variant->file_digest;
   } else {
     response.length_unknown = true;

@@ -15,6 +15,7 @@
 #include "common/base/processor_time.hpp"
 #include "server/http/asio.hpp"
 #include "server/http/connections.hpp"
+#include "server/http/io_turns.hpp"
 #include "server/http/session.hpp"
 #include "server/http/tenant_metrics.hpp"
 
@@ -49,11 +50,12 @@ std::size_t connection_limit(std::size_t wanted) {
 }
 
 /// Runs io_context::run(). As a last resort, exceptions from handlers are logged and the loop continues.
-/// Calls `turned` after each turn.
+/// Calls `turned` after each turn, also after one that ended with an exception.
 template <class Turned>
 void run_forever(asio::io_context& context, Turned turned) {
-  for (;;) {
+  for (bool failed = false;; failed = true) {
     try {
+      if (failed) turned();
       while (context.run_one() > 0) turned();
       return;
     } catch (const std::exception& e) {
@@ -65,13 +67,15 @@ void run_forever(asio::io_context& context, Turned turned) {
 }
 
 /// Runs the public listener. All clients share its threads, so the work in each turn is measured and limited.
-void run_public(asio::io_context& context, ops::Metrics& metrics, BulkLimit& bulk) {
+void run_public(asio::io_context& context, ops::Metrics& metrics, BulkLimit& bulk, IoTurns& turns) {
   limit_bulk(&bulk);
   double before = processor_seconds_of_this_thread();
   run_forever(context, [&] {
     const double now = processor_seconds_of_this_thread();
-    metrics.count_io_turn(now - std::exchange(before, now));
+    const double used = now - std::exchange(before, now);
     begin_bulk_turn();
+    metrics.count_io_turn(used);
+    turns.end_turn(used);
   });
 }
 
@@ -151,13 +155,16 @@ class HttpServer::Impl {
         max_connections_(connection_limit(api.limits().max_connections)),
         connections_(max_connections_, api.limits().max_connections_per_address),
         admin_connections_(kAdminConnections, kAdminConnections),
+        turns_(static_cast<std::size_t>(std::max(1, config.io_threads)),
+               [this](IoTurns::Call call) { asio::defer(context_, std::move(call)); }),
         public_acceptor_(open_acceptor(context_, config.address, config.port)),
         admin_acceptor_(open_acceptor(admin_context_, config.admin_address, config.admin_port)),
         port_(public_acceptor_.local_endpoint().port()),
         admin_port_(admin_acceptor_.local_endpoint().port()) {
-    asio::co_spawn(public_acceptor_.get_executor(),
-                   accept_loop(public_acceptor_, context_, {Listener::kPublic, api, connections_, policy_}),
-                   asio::detached);
+    asio::co_spawn(
+        public_acceptor_.get_executor(),
+        accept_loop(public_acceptor_, context_, {Listener::kPublic, api, connections_, policy_, &turns_}),
+        asio::detached);
     asio::co_spawn(
         admin_acceptor_.get_executor(),
         accept_loop(admin_acceptor_, admin_context_, {Listener::kAdmin, api, admin_connections_, policy_}),
@@ -170,9 +177,10 @@ class HttpServer::Impl {
       writer.gauge("fracture_requests_in_progress",
                    "Time from the first byte of a request to the last byte of its answer.",
                    static_cast<double>(connections_.in_progress.load()));
-      writer.counter("fracture_io_bulk_turns_total",
-                     "Turns in which an I/O thread did more work than one turn may contain. Each is a bug.",
-                     static_cast<double>(bulk_.exceeded.load()));
+      writer.counter(
+          "fracture_io_bulk_turns_total",
+          "Turns in which an I/O thread did more work than one turn should contain. Each is a bug.",
+          static_cast<double>(bulk_.exceeded.load()));
       const auto holdings = [this](const std::string& name) {
         return Holdings{api_.meshes().bytes_of(name) + api_.jobs().disk_bytes_of(name),
                         api_.ledger().bytes_of(name)};
@@ -185,7 +193,7 @@ class HttpServer::Impl {
       return nullptr;
     });
     for (int t = 0; t < std::max(1, config.io_threads); ++t)
-      threads_.emplace_back([this] { run_public(context_, api_.metrics(), bulk_); });
+      threads_.emplace_back([this] { run_public(context_, api_.metrics(), bulk_, turns_); });
     threads_.emplace_back([this] { run_forever(admin_context_, [] {}); });
   }
 
@@ -195,6 +203,7 @@ class HttpServer::Impl {
     context_.stop();
     admin_context_.stop();
     for (std::thread& thread : threads_) thread.join();
+    turns_.stop();
     // No handler can run or submit work any more. Work that was submitted may still use sessions and
     // contexts.
     api_.wait_idle();
@@ -217,9 +226,10 @@ class HttpServer::Impl {
   Api& api_;
   Policy policy_;
   std::size_t max_connections_;
-  // Handlers of the contexts own sessions, which use the connections, so the contexts must be destroyed
-  // first.
+  // Handlers of the contexts own sessions, which use the connections and the turns, so the contexts must be
+  // destroyed first.
   Connections connections_, admin_connections_;
+  IoTurns turns_;
   asio::io_context context_, admin_context_{1};
   asio::executor_work_guard<asio::io_context::executor_type> work_{context_.get_executor()},
       admin_work_{admin_context_.get_executor()};

@@ -17,6 +17,8 @@
 #include "server/http/request_notes.hpp"
 #include "server/http/stream_writer.hpp"
 #include "server/http/timed_socket.hpp"
+#include "server/http/turn_wait.hpp"
+#include "server/http/turned_away.hpp"
 #include "server/http/work_wait.hpp"
 #include "server/ops/log.hpp"
 
@@ -46,6 +48,7 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
           std::string address)
       : connection_(std::make_shared<TimedSocket>(std::move(socket))),
         work_(std::make_shared<WorkWait>(connection_, buffer_)),
+        turn_(std::make_shared<TurnWait>(context.turns, executor())),
         context_(context),
         api_(context.api),
         connections_(context.connections),
@@ -68,9 +71,9 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
           try {
             std::rethrow_exception(failure);
           } catch (const std::exception& e) {
-            spdlog::error("a session ended by an exception: {}", e.what());
+            spdlog::error("a session ended with an exception: {}", e.what());
           } catch (...) {
-            spdlog::error("a session ended by an unknown exception");
+            spdlog::error("a session ended with an unknown exception");
           }
         });
   }
@@ -91,6 +94,7 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
       self->connection_->end_by(steady_clock::now() + kLastWords);
       self->work_->cancel();
       self->work_->wake();  // ends an event stream
+      self->turn_->cancel();
       self->connection_->abort();
     });
   }
@@ -120,7 +124,8 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
     if (verdict_ != Connections::Verdict::kWelcome) {
       begin_record(new_request_id());
       connection_->end_by(start_ + kLastWords);
-      const Problem refusal = turned_away();  // a variable: g++ 12 destroys such a temporary twice
+      // A variable: g++ 12 destroys such a temporary twice.
+      const Problem refusal = turned_away(verdict_, api_.limits());
       co_await refuse_and_close(refusal);
       co_return;
     }
@@ -164,36 +169,30 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
     begin_record(request.id);
     note_request(record_, head);
     record_.address = forwarded_client(client_, head.field("forwarded"), context_.policy.proxies);
-    client_key_ = client_of(record_.address);
+    client_key_ = request.address = client_of(record_.address);
     // A connection from a proxy counts for the client that the proxy names.
     if (proxied_ && !place_.belongs_to(client_key_, context_.policy.limit_of(record_.address))) {
-      const Problem refusal = too_many_connections();
-      co_await refuse_and_close(refusal);
+      const Problem full = too_many_connections(api_.limits());
+      co_await refuse_and_close(full);
       co_return false;
     }
 
     std::optional<Response> preflight;
+    std::optional<Problem> refusal;
     if (context_.listener == Listener::kPublic) {
       policy_fields_ = context_.policy.cors.fields(head);
       preflight = context_.policy.cors.preflight(head);
-      if (!preflight) {
-        OrProblem<AccountPointer> account = authenticate(context_.policy.accounts, head, api_.shows_page());
-        if (!account) {
-          co_await refuse_and_close(account.error());
-          co_return false;
-        }
-        exchange_->request.payer.flow.name = "address " + client_key_;
-        if (const auto refusal = enter(std::move(*account), head)) {
-          co_await refuse_and_close(*refusal);
-          co_return false;
-        }
-      }
+      request.payer.flow.name = "address " + client_key_;
+      if (!preflight) refusal = enter(head);
     }
-    if (!preflight && (context_.listener == Listener::kAdmin || context_.policy.accounts.open()))
-      if (const std::optional<Problem> foreign = context_.policy.sites.refuse(head)) {
-        co_await refuse_and_close(*foreign);
-        co_return false;
-      }
+    if (!turn_->at_once(request.payer.flow))
+      if (!co_await turn()) co_return false;
+    if (!refusal && !preflight && (context_.listener == Listener::kAdmin || context_.policy.accounts.open()))
+      refusal = context_.policy.sites.refuse(head);
+    if (refusal) {
+      co_await refuse_and_close(*refusal);
+      co_return false;
+    }
     if (preflight) {
       connection_->clear_deadline();
       buffer_.consume(head_size_);
@@ -220,6 +219,8 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
         finish_record(none, false);
         co_return false;
       }
+      if (!turn_->at_once(request.payer.flow))
+        if (!co_await turn()) co_return false;
       set_waiting(false);
       const bool wanted = co_await compute();
       set_waiting(true);
@@ -232,6 +233,7 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
       if (waited_ && head.method == "GET")
         if (const std::optional<Problem> revoked =
                 refuse_by_now(context_.policy.accounts, head, request.payer.account)) {
+          exchange_->response = {};  // frees the answer, which is not counted yet
           co_await refuse_and_close(*revoked);
           co_return false;
         }
@@ -247,14 +249,31 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
     co_return written&& keep;
   }
 
-  /// Assigns the request to this account. Returns the refusal, if any.
-  std::optional<Problem> enter(AccountPointer account, const RequestHead& head) {
-    if (!account) return std::nullopt;
-    record_.client = account->name();
-    exchange_->request.payer = {account, {"name " + account->name(), account->shares().weight}};
-    std::optional<Problem> refusal = refuse_caller(*account, head);
-    for (auto& field : account->rate_fields()) policy_fields_.push_back(std::move(field));
+  /// Assigns the request to the account of its token. Returns the refusal, if any.
+  std::optional<Problem> enter(const RequestHead& head) {
+    OrProblem<AccountPointer> account = authenticate(context_.policy.accounts, head, api_.shows_page());
+    if (!account) return std::move(account.error());
+    if (!*account) return std::nullopt;
+    tenants::Account& caller = **account;
+    record_.client = caller.name();
+    exchange_->request.payer = {*account, {"name " + caller.name(), caller.shares().weight}};
+    std::optional<Problem> refusal = refuse_caller(caller, head);
+    for (auto& field : caller.rate_fields()) policy_fields_.push_back(std::move(field));
     return refusal;
+  }
+
+  /// Waits for this client's turn. If it does not come in time, refuses the request and returns false.
+  asio::awaitable<bool> turn() {
+    set_waiting(false);  // not for the client
+    const steady_clock::time_point end = steady_clock::now() + api_.limits().header_timeout;
+    const bool came = co_await turn_->until_turn(exchange_->request.payer.flow, end);
+    set_waiting(true);
+    if (!came) {
+      exchange_->request.reservation = {};
+      const Problem late = turn_too_late(giving_way_, api_.limits());
+      co_await refuse_and_close(late);
+    }
+    co_return came;
   }
 
   void begin_record(std::string id) {
@@ -310,20 +329,13 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
   }
 
   /// Counts the answer as held by this client until `hold` is destroyed. If there is no memory for it,
-  /// replaces the answer with a refusal.
+  /// replaces the answer with a refusal. Frees the bytes of an answer that is sent without its body.
   void count_answer(Response& response, bool head_only, HeldBuffers::Hold& hold) {
+    if (head_only || response.body.empty()) response.owner.reset();
+    if (!response.owner) return;
     const std::uint64_t held = std::max<std::uint64_t>(response.body.size(), response.owner_bytes);
-    if (!response.owner || head_only || held <= kSmallAnswer) return;
-    const auto refusal = api_.answers().take(client_key_, response.owner.get(), held, hold);
-    if (!refusal) return;
-    const bool share = *refusal == HeldBuffers::Refusal::kOverShare;
-    response = Response::problem(
-        Problem(share ? ErrorCode::kOverShare : ErrorCode::kOverloaded,
-                share ? "This client's unread answers use up its whole share of the memory for answers. "
-                        "Read them first."
-                      : "Unread answers use up all of the memory for answers (--max-answers).")
-            .with("Retry-After", "2"),
-        id_);
+    if (const auto refusal = api_.hold_answer(client_key_, response.owner.get(), held, hold))
+      response = Response::problem(*refusal, id_);
   }
 
   /// Returns false if the client is gone or reads the answer too slowly.
@@ -341,6 +353,8 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
     count_answer(response, head_only, hold);
     const bool written = co_await write_answer(*connection_, api_.limits(), response, id_, policy_fields_,
                                                keep_alive, head_only);
+    // Frees the bytes before `hold` ends, because the connection may linger. The log still needs their number.
+    response.owner.reset();
     co_return written && !giving_way_;
   }
 
@@ -351,23 +365,9 @@ class Session final : public std::enable_shared_from_this<Session>, public Drain
     if (written) co_await connection_->linger();
   }
 
-  Problem turned_away() const {
-    if (verdict_ == Connections::Verdict::kFull)
-      return Problem(
-                 ErrorCode::kOverloaded,
-                 "All connections of this server are in use (--max-connections). Try again after Retry-After.")
-          .with("Retry-After", "2");
-    return too_many_connections();
-  }
-  Problem too_many_connections() const {
-    return Problem(HttpProblem::kTooManyConnections,
-                   "This address has more connections open than the limit of " +
-                       std::to_string(api_.limits().max_connections_per_address) + ". Close some.")
-        .with("Retry-After", "2");
-  }
-
   const std::shared_ptr<TimedSocket> connection_;
   const std::shared_ptr<WorkWait> work_;
+  const std::shared_ptr<TurnWait> turn_;
   beast::flat_buffer buffer_{kReadBuffer};
   const SessionContext context_;
   Api& api_;

@@ -7,6 +7,7 @@
 #include "server/http/client_address.hpp"
 #include "server/http/connections.hpp"
 #include "server/http/cors.hpp"
+#include "server/http/io_turns.hpp"
 #include "server/http/site_policy.hpp"
 
 namespace fracture::http {
@@ -30,6 +31,7 @@ struct SessionContext {
   Api& api;
   Connections& connections;
   const Policy& policy;
+  IoTurns* turns = nullptr;  ///< null: requests do not wait for a turn
 };
 
 /// Starts a session, which owns the socket and its place among the connections. It runs on the socket's

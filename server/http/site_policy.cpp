@@ -68,8 +68,8 @@ std::optional<Problem> SitePolicy::refuse(const RequestHead& head) const {
   if (site && (is_ours(*site) || is_loopback_address(*site) || (name && equals_ignoring_case(*site, *name))))
     return std::nullopt;
   return Problem(HttpProblem::kForeignOrigin,
-                 "This request comes from a page of '" + origin.substr(0, 100) +
-                     "'. Pages of other sites may send requests only if --cors-origin names their origin.");
+                 "This request comes from a page on '" + origin.substr(0, 100) +
+                     "'. Pages on other sites may send requests only if --cors-origin names their origin.");
 }
 
 }  // namespace fracture::http

@@ -15,8 +15,8 @@ struct Next {
   std::optional<std::string> bytes;  // empty: the stream has ended
 };
 
-/// Waits for the next data. Returns an empty Next if the client is gone, the server drains or reading is not
-/// allowed.
+/// Waits for the next data. Returns an empty Next if the client is gone, the server is draining or reading is
+/// not allowed.
 asio::awaitable<std::shared_ptr<Next>> next_of(BodyStream& stream, const StreamTarget& target) {
   const auto next = std::make_shared<Next>();
   target.wait->begin();

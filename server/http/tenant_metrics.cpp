@@ -13,7 +13,7 @@ void write(ops::MetricWriter& writer, const std::string& name, const tenants::Ac
     labels.insert(labels.end(), more.begin(), more.end());
     writer.counter(metric, help, value, labels);
   };
-  count("fracture_tenant_requests_total", "Requests of each name, including refused ones.",
+  count("fracture_tenant_requests_total", "Requests from each name, including refused ones.",
         static_cast<double>(figures.requests));
   count("fracture_tenant_over_share_total", "Requests refused because the name exceeded its share.",
         static_cast<double>(figures.over_share));

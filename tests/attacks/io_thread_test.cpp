@@ -74,6 +74,24 @@ TEST(IoThreadAttack, AnAnswerOfManyParametersNamedInFewBytes) {
   EXPECT_EQ(siege.statuses.begin()->first, 400) << siege.answers();
 }
 
+TEST(IoThreadAttack, EstimatesOfManyMaterialsAndHits) {
+  Siege siege;
+  const std::string mesh = ask(siege.server.port, "POST", "/meshes", kObj, kCube).header("location");
+  std::string entries, points;
+  for (int k = 0; k < 55; ++k) entries += (k > 0 ? ";a" : "a") + std::to_string(k) + ":ice";
+  for (int k = 0; k < 48; ++k) points += k > 0 ? ",[1,1,1]" : "[1,1,1]";
+  attack(siege, "Estimates", "2.3 ms on the io thread for 480 bytes: GET /version waits for seconds", 4,
+         full_tests() ? 200 : 20, [&](const std::string& from, int n) {
+           return n % 2 ? ask(siege.server.port, "POST", mesh + "/estimate?sites=2&assign=" + entries, "", "",
+                              from)
+                              .status
+                        : ask(siege.server.port, "POST", mesh + "/estimate", kJson,
+                              "{\"local_point\":[" + points + "],\"local_radius\":0.1}", from)
+                              .status;
+         });
+  EXPECT_EQ(siege.statuses.begin()->first, 200) << siege.answers();
+}
+
 TEST(IoThreadAttack, ListsOfAFullQueue) {
   Siege siege({"--threads", "1", "--memory", "4GiB"});
   const std::string mesh = ask(siege.server.port, "POST", "/meshes", kObj, kCube).header("location");

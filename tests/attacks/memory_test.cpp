@@ -86,7 +86,7 @@ TEST_P(MemoryAttack, WhatIsResidentStaysWithinTheBudgetAndOthersAreServed) {
     EXPECT_TRUE(std::count(GetParam().allowed.begin(), GetParam().allowed.end(), status))
         << count << " times " << status;
   siege.neighbours->stop();
-  // At rest the server holds no more than it reports, in addition to what every server holds.
+  // At rest, the server holds no more memory than the reported amount plus the base of every server.
   std::string metrics;
   [[maybe_unused]] const auto at_rest = [&] {
     metrics = ask(siege.server.admin_port, "GET", "/metrics").body;

@@ -250,5 +250,42 @@ TEST(ContentCoding, ACancelledRequestStopsDecoding) {
       << "members that hold nothing";
 }
 
+int polls_of_decoding(std::string body, http::ContentCoding coding, std::uint64_t decoded) {
+  int polls = 0;
+  Execution execution;
+  execution.watch = [&polls] { ++polls; };
+  MemoryBudget budget(100u << 20);
+  MemoryBudget::Reservation reservation(budget);
+  EXPECT_FALSE(http::decode_body(body, coding, 100u << 20, reservation, execution).problem);
+  EXPECT_EQ(body.size(), decoded);
+  return polls;
+}
+
+/// A gzip member with empty stored blocks, which are five bytes each (RFC 1951, section 3.2.4).
+std::string gzip_of_empty_blocks(int count) {
+  const std::string packed = gzip("");  // ten bytes of header, an empty last block, eight bytes of trailer
+  std::string blocks;
+  for (int k = 0; k < count; ++k) blocks.append("\0\0\0\xff\xff", 5);
+  return packed.substr(0, 10) + blocks + packed.substr(10);
+}
+
+/// A zstd frame with empty raw blocks, which are three bytes each (RFC 8878, section 3.1.1.2).
+std::string zstd_of_empty_blocks(int count) {
+  std::string frame("\x28\xb5\x2f\xfd\0\x50", 6);  // a window of 1 MiB; no size, no checksum
+  for (int k = 0; k < count; ++k) frame.append("\0\0\0", 3);
+  return frame.append("\1\0\0", 3);  // the last one
+}
+
+// The body is decoded twice. A poll comes after each 16 KiB that were read or 256 KiB that were written, whichever is first.
+TEST(ContentCoding, DecodingPollsForWhatItReadsAndWrites) {
+  using http::ContentCoding;
+  const std::string zeros(8u << 20, '\0');
+  EXPECT_GE(polls_of_decoding(gzip(zeros), ContentCoding::kGzip, zeros.size()), 2 * 32);
+  EXPECT_GE(polls_of_decoding(zstd(zeros), ContentCoding::kZstd, zeros.size()), 2 * 32);
+  const int blocks = 100'000;
+  EXPECT_GE(polls_of_decoding(gzip_of_empty_blocks(blocks), ContentCoding::kGzip, 0), 2 * (5 * blocks >> 14));
+  EXPECT_GE(polls_of_decoding(zstd_of_empty_blocks(blocks), ContentCoding::kZstd, 0), 2 * (3 * blocks >> 14));
+}
+
 }  // namespace
 }  // namespace fracture::test

@@ -263,7 +263,7 @@ TEST(Http, APathOfTheAdminPortIsNamedAsSuch) {
   TestServer server;
   const Reply reply = server.get("/livez");
   EXPECT_EQ(reply.problem(), "not-found");
-  EXPECT_NE(reply.body.find("Ask the admin port (--admin-port)"), std::string::npos) << reply.body;
+  EXPECT_NE(reply.body.find("Use the admin port (--admin-port)"), std::string::npos) << reply.body;
   EXPECT_NE(server.get("/nothing").body.find("GET /openapi.json"), std::string::npos);
 }
 

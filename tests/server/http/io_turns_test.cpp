@@ -3,6 +3,7 @@
 // any. These tests show which work goes to the pool instead, and which is done only once.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <future>
 #include <optional>
 #include <utility>
@@ -99,6 +100,13 @@ TEST_F(Blocked, WhatIsMoreThanAMomentsWorkWaitsForThePool) {
   const std::string k2 = "\"" + std::string(http::kParseInline, 'x') + "\"";
   const std::string digest =
       "Content-Digest: sha-256=:" + base64(sha256(std::string_view("other")).bytes) + ":\r\n";
+  std::string entries, unknown, points;
+  for (int k = 0; k < 40; ++k) {
+    entries += (k > 0 ? ";a" : "a") + std::to_string(k) + ":ice";
+    unknown += (k > 0 ? "&x" : "x") + std::to_string(k) + "=1";
+    points += k > 0 ? ",[5,5,5]" : "[5,5,5]";
+  }
+  ASSERT_LT(std::max(entries.size(), unknown.size()), http::kParseInline - 100) << "few bytes";
   const struct {
     const char *name, *method;
     std::string target, fields, body;
@@ -116,6 +124,13 @@ TEST_F(Blocked, WhatIsMoreThanAMomentsWorkWaitsForThePool) {
       {"long JSON", "POST", mesh + "/fracture", kJson, "{\"unit\": " + k2 + "}"},
       {"a long query with JSON", "POST", mesh + "/fracture?" + std::string(http::kParseInline, 'x') + "=1",
        kJson, "{}"},
+      {"many entries of assign", "POST", mesh + "/estimate?assign=" + entries, "", ""},
+      {"many entries of assign with a mesh", "POST", "/fracture?sites=0&assign=" + entries, kOfGlb, "a mesh"},
+      {"many entries of assign in JSON", "POST", mesh + "/estimate", kJson,
+       "{\"assign\": \"" + entries + "\"}"},
+      {"many unknown names", "POST", mesh + "/fracture?" + unknown, "", ""},
+      {"an estimate of many hits", "POST", mesh + "/estimate", kJson,
+       "{\"local_point\": [" + points + "], \"local_radius\": 9}"},
       {"a mesh to be stored", "POST", "/meshes", kOfGlb, "a mesh"},
       {"a long list of jobs", "GET", "/jobs?limit=21", "", ""},
   };
@@ -132,6 +147,9 @@ TEST_F(Blocked, WhatIsMoreThanAMomentsWorkWaitsForThePool) {
   EXPECT_EQ(server.get("/jobs").status, 200);
   EXPECT_EQ(server.get(mesh).status, 200);
   EXPECT_EQ(server.post("/fracture?sites=0").status, 400);
+  EXPECT_EQ(server.post("/fracture?site=7").status, 400);
+  EXPECT_EQ(server.post_json(mesh + "/estimate", "{\"sites\": 70}").status, 200);
+  EXPECT_EQ(server.post_json(mesh + "/estimate?assign=a:ice;b:stone", "{}").status, 200);
   gate.open = true;
   for (auto& answer : answers) EXPECT_NE(answer.get(), 0);
 }

@@ -29,6 +29,22 @@ TEST(Meshes, AMeshIsPutUnderItsDigestAndReported) {
   EXPECT_LT(server.api.meshes().figures().bytes, 20'000u);
 }
 
+/// If it is known already, its bytes are compared in a second step on the pool, which can be interrupted.
+TEST(Meshes, ALargeMeshIsStoredAndReportedLikeASmallOne) {
+  TestServer server;
+  const std::string mesh(std::size_t{1} << 20, 'm');
+  const Reply created = server.put("/meshes/" + id_of(mesh), mesh);
+  ASSERT_EQ(created.status, 201) << created.body;
+  EXPECT_EQ(created.header("location"), "/meshes/" + id_of(mesh));
+  EXPECT_EQ(created.json().at("bytes"), mesh.size());
+  EXPECT_EQ(created.json().at("report").at("verdict"), "closed");
+  EXPECT_EQ(server.put("/meshes/" + id_of(mesh), mesh).status, 200);
+  EXPECT_EQ(server.control->prepares, 1);
+  EXPECT_EQ(server.get("/meshes/" + id_of(mesh)).body, created.body);
+  EXPECT_TRUE(eventually(kPatience, "the bodies to be given back",
+                         [&] { return server.api.bodies().whole().used() == 0; }));
+}
+
 TEST(Meshes, AStoredMeshIsEstimated) {
   TestServer server;
   ASSERT_EQ(server.put("/meshes/" + id_of("mesh"), "mesh").status, 201);
