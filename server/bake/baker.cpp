@@ -8,7 +8,7 @@ Expected<RequestParameters> parse_parameters(const ParameterTable& table,
   if (parsed && !parsed->of.empty())
     return fail(
         ErrorCode::kNoSuchAnswer,
-        "bake keeps no answers, so 'of' cannot refer to one. Give the parameters that the answer contains instead.",
+        "bake keeps no answers, so 'of' cannot refer to one. Instead, give the parameters that the answer contains.",
         "of");
   return parsed;
 }

@@ -27,9 +27,10 @@ Expected<Form> write_form(std::span<const FormPart> parts) {
   std::size_t size = 0;
   for (const FormPart& part : parts) {
     if (has_control_character(part.filename))
-      return fail(ErrorCode::kExternalResource,
-                  "A file that the mesh references has a control character in its name and cannot be sent: "
-                  "rename the file.");
+      return fail(
+          ErrorCode::kExternalResource,
+          "The name of a file that the mesh references contains a control character, so the file cannot "
+          "be sent: rename the file.");
     size += part.body.size() + part.filename.size() + 200;
   }
   std::string boundary = "fracture-bake";

@@ -309,7 +309,7 @@ std::string html_report(const HtmlHead& head, const std::vector<json>& lines) {
     if (pictures) page += "<th></th>";
     page +=
         "<th>Mesh</th><th class=\"n\">Fragments</th><th class=\"n\">ms</th><th class=\"n\">Size</th>"
-        "<th>Warnings, dropped things and notes</th></tr></thead>\n<tbody>\n";
+        "<th>Warnings, dropped items and notes</th></tr></thead>\n<tbody>\n";
     for (const json* line : made) page += made_row(*line, head.path, pictures);
     page += "</tbody>\n</table>\n";
   }

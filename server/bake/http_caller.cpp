@@ -48,7 +48,7 @@ Expected<protocol::ConnectionSettings> parse_server_url(const std::string& url, 
     port.remove_prefix(1);
     const auto [end, error] = std::from_chars(port.data(), port.data() + port.size(), settings.port);
     if (error != std::errc() || end != port.data() + port.size() || settings.port == 0)
-      return wrong("has no port from 1 to 65535 after its colon");
+      return wrong("needs a port from 1 to 65535 after the colon");
   }
   if (tls) {
     Expected<std::shared_ptr<protocol::TlsTrust>> trust = protocol::trust_in(ca_file);

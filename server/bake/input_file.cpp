@@ -41,9 +41,9 @@ Expected<MeshFormat> format_of(const std::string& path, std::span<const std::byt
     if (const auto format = format_from_extension(ending.substr(1))) return *format;
   if (const auto format = format_from_content(bytes)) return *format;
   const std::string what = path == kStandardStream
-                               ? "The first bytes of standard input do not identify its format"
+                               ? "The first bytes of standard input do not identify the format"
                                : "The name '" + path + "' has no known file extension";
-  return fail(ErrorCode::kUnknownFormat, what + "; give its format with --format.", "format");
+  return fail(ErrorCode::kUnknownFormat, what + "; give the format with --format.", "format");
 }
 
 }  // namespace
@@ -77,7 +77,7 @@ Expected<InputFile> to_input(const std::string& path, std::string bytes,
   if (bytes.empty())
     return fail(ErrorCode::kEmptyBody,
                 (path == kStandardStream ? std::string("Standard input") : "'" + path + "'") +
-                    " has 0 bytes: give a mesh file.");
+                    " is empty (0 bytes): give a mesh file.");
   const Expected<MeshFormat> format = format_of(path, std::as_bytes(std::span(bytes)), parameters);
   if (!format) return tl::unexpected(format.error());
   InputFile input{std::move(bytes), *format};

@@ -37,8 +37,8 @@ Expected<BakeJob> job_of_line(const std::string& line, const fs::path& folder, c
         return wrong("'" + key + "' must be a path; it was " + shortened(json_text(value)));
       if (value == kStandardStream)
         return wrong("'" + key +
-                     "' is '-': standard input and output are for one mesh without a manifest; for a "
-                     "file with this name, write './-'");
+                     "' is '-', but a manifest cannot use standard input or output; for a file "
+                     "named '-', write './-'");
       std::string path = (folder / value.get<std::string>()).lexically_normal().string();
       if (path == kStandardStream) path.insert(0, "./");
       (key == "input" ? job.input : job.output) = std::move(path);
@@ -97,7 +97,11 @@ Expected<std::vector<BakeJob>> read_manifest(const BakeSource& source, LineFault
   }
   if (file.bad())
     return wrong("The manifest '" + source.manifest +
-                 "' cannot be read to its end: " + std::strerror(errno != 0 ? errno : EIO) + ".");
+                 "' cannot be read to the end: " + std::strerror(errno != 0 ? errno : EIO) + ".");
+  if (jobs.empty() && faults.empty())
+    return wrong("The manifest '" + source.manifest +
+                 "' has no jobs. Write one line for each job, such as "
+                 "{\"input\": \"oak.glb\", \"output\": \"broken/oak.glb\"}.");
   return jobs;
 }
 

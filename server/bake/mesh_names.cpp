@@ -77,7 +77,7 @@ Expected<MeshNames> names_in(const std::string& path, std::span<const std::byte>
   const bool read = !gltf || read_gltf(text, names);
   if (format == MeshFormat::kObj) read_obj(text, names);
   if (names.full())
-    return fail(ErrorCode::kTooLarge, "For rules by node or material, a mesh may have at most " +
+    return fail(ErrorCode::kTooLarge, "With rules for nodes or materials, a mesh may have at most " +
                                           std::to_string(kMaxMeshNames) + " names with " +
                                           std::to_string(kMaxMeshNameBytes) +
                                           " bytes in total; this mesh has more.");

@@ -83,7 +83,8 @@ bool holds(const std::string& path, std::span<const std::uint8_t> bytes) {
 Expected<void> write_textures_and_materials(const std::string& path, const Answer& answer, Writing& writing) {
   const fs::path folder = fs::path(path).parent_path();
   const std::string materials = materials_beside(path), stem = fs::path(path).stem().string();
-  if (is_foreign_mtl(materials)) return not_written(materials, path, "it exists and was not made by a bake");
+  if (is_foreign_mtl(materials))
+    return not_written(materials, path, "the file exists and was not made by a bake");
   const std::string before = text_of(materials);
   std::vector<std::string> names(answer.images.size());
   for (const std::size_t k : outputs::images_of_mtl(answer)) {
@@ -93,7 +94,7 @@ Expected<void> write_textures_and_materials(const std::string& path, const Answe
     std::error_code error;
     if (fs::exists(place, error) && before.find(" " + names[k] + "\n") == std::string::npos &&
         !holds(place, bytes))
-      return not_written(place, path, "it exists and was not made by a bake");
+      return not_written(place, path, "the file exists and was not made by a bake");
     const Expected<void> texture = writing.file(place, [&, bytes = bytes](const Sink& sink) {
       return sink({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
     });

@@ -46,7 +46,7 @@ Expected<OutputKind> kind_of_output(const std::string& path) {
     return fail(ErrorCode::kBadParameter,
                 "'" + ending + "' cannot be written: the output '" + path +
                     "' must end in .glb, .gltf (a single JSON document), .obj (with .mtl and textures), "
-                    ".ply or .stl, or have no extension (GLB).",
+                    ".ply or .stl, or have no extension (which means GLB).",
                 {}, {{"known", {".glb", ".gltf", ".obj", ".ply", ".stl"}}});
   const std::string name = fs::path(path).filename().string();
   const bool breaks = std::any_of(name.begin(), name.end(),
@@ -54,8 +54,9 @@ Expected<OutputKind> kind_of_output(const std::string& path) {
   if (breaks || name.front() == ' ' || name.front() == '-')
     return fail(
         ErrorCode::kBadParameter,
-        "An OBJ cannot reference the .mtl file of '" + path +
-            "': the name of the OBJ must not begin with a space or '-', nor contain control characters.");
+        "The OBJ file '" + path +
+            "' could not reference its .mtl file: its name must not begin with a space or '-', and must not "
+            "contain control characters.");
   return OutputKind::kObj;
 }
 
@@ -74,13 +75,14 @@ std::optional<Error> refuse_output(const std::string& path) {
     return Error{ErrorCode::kBadParameter, "'" + path + "' " + why + "."};
   };
   if (path.ends_with('/')) return refused("names a folder, not a file");
-  if (is_open_descriptor(path)) return refused("is an open descriptor of a process; '-' is standard output");
+  if (is_open_descriptor(path))
+    return refused("is an open file descriptor of a process; for standard output, give '-'");
   struct stat there {};
   if (::stat(path.c_str(), &there) != 0 || S_ISREG(there.st_mode)) return std::nullopt;
   if (S_ISDIR(there.st_mode)) return refused("is a folder");
-  if (S_ISFIFO(there.st_mode)) return refused("is a pipe; '-' is standard output");
+  if (S_ISFIFO(there.st_mode)) return refused("is a pipe; for standard output, give '-'");
   if (S_ISSOCK(there.st_mode)) return refused("is a socket");
-  return refused("is a device; '-' is standard output");
+  return refused("is a device; for standard output, give '-'");
 }
 
 FileIdentity identity_of(const std::string& path) {

@@ -48,7 +48,7 @@ Expected<void> give_pictures(const BakeSource& source, bool single, std::vector<
   if (source.preview.empty() && source.html.empty()) return {};
   if (source.preview == kStandardStream || source.html == kStandardStream)
     return not_possible(
-        "--preview and --html need the name of a file or folder: '-' is standard output, which is for the fragments.");
+        "--preview and --html cannot be '-', because standard output is for the fragments: give the name of a file or folder.");
   std::error_code error;
   const bool png = fs::path(source.preview).extension() == kEnding;
   if (single && !source.preview.empty()) {

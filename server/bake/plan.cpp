@@ -35,7 +35,7 @@ Expected<std::vector<BakeJob>> jobs_of_inputs(const BakeSource& source, BakePlan
   for (const std::string& input : source.inputs) {
     if (input == kStandardStream)
       return wrong(
-          "Standard input ('-') is one mesh and must be the only input: give the name of one file with --output.");
+          "Standard input ('-') contains one mesh, so it must be the only input: name one output file with --output.");
     if (const auto looked = search.look_into(input); !looked) return tl::unexpected(looked.error());
   }
   plan.skipped = search.skipped();
@@ -93,7 +93,8 @@ Expected<BakePlan> plan_bake(const BakeSource& given, const ParseParameters& par
     plan.single = source.inputs.size() == 1 && !stands_for_many(only) && source.output.back() != '/' &&
                   !fs::is_directory(source.output, error);
     if (!plan.single && source.output == kStandardStream)
-      return wrong("Standard output ('-') is for the fragments of one mesh: give a folder with --output.");
+      return wrong(
+          "Standard output ('-') can take the fragments of only one mesh: give a folder with --output.");
   } else if (!source.output.empty()) {
     return wrong("A manifest lists its own outputs: leave out --output.");
   }
@@ -146,7 +147,7 @@ Expected<Shard> parse_shard(const std::string& text) {
   const std::optional<std::size_t> index = first == "auto" ? index_of_orchestrator() : number_of(first);
   if (first == "auto" && !index)
     return wrong(
-        "--shard auto/N: none of FRACTURE_SHARD, JOB_COMPLETION_INDEX and SLURM_ARRAY_TASK_ID is a shard number.");
+        "--shard auto/N needs a shard number in FRACTURE_SHARD, JOB_COMPLETION_INDEX or SLURM_ARRAY_TASK_ID.");
   const std::size_t count = number_of(std::string_view(text).substr(slash + 1)).value_or(0);
   if (!index || *index >= count) return bad();
   return Shard{*index, count};

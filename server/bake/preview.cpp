@@ -142,7 +142,7 @@ void Previews::note(bool good, bool renderer_failed) {
   }
   if (given_up)
     say_("warning: the renderer failed " + std::to_string(kMostFailuresInARow) +
-         " times in a row; no further pictures are drawn");
+         " times in a row; no more pictures will be drawn");
 }
 
 Expected<void> Previews::draw(const std::string& output, const std::string& picture,
@@ -156,7 +156,9 @@ Expected<void> Previews::draw(const std::string& output, const std::string& pict
         "bake draws the picture of an OBJ, PLY or STL file only when it writes the file. To write the "
         "file again, use --force.");
   if (folder_.empty())
-    return fail(ErrorCode::kNoProgram, "Pictures need a folder for temporary files, and there is none.");
+    return fail(ErrorCode::kNoProgram,
+                "Pictures need a folder for temporary files, but none could be created. "
+                "Set TMPDIR to a folder that bake can write to.");
   std::size_t number = 0;
   {
     const std::lock_guard lock(mutex_);

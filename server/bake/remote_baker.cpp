@@ -135,8 +135,8 @@ class Conversation {
         .next = Next::kWhole,
         .trouble =
             "The server's response contains the address " + key +
-            ", but this program expects another address. Perhaps the server stored the mesh in another format, or runs "
-            "another version."};
+            ", but this program expects a different one. The server may have stored the mesh in another format, or "
+            "may run another version."};
   }
 
   std::vector<std::pair<std::string, std::string>> fields() const {
@@ -156,7 +156,7 @@ class Conversation {
     if (started->status != 202) return refused(*started);
     nlohmann::json job = json_or_null(started->body, kOfAServer);
     const std::string id = job.is_object() ? job.value("id", "") : "";
-    if (id.empty()) return again("The server responded with 202, but without a job.");
+    if (id.empty()) return again("The server responded with status 202, but its response contains no job.");
     if (const std::string state = job.value("state", ""); state == "queued" || state == "running") {
       const Expected<Exchange> events = caller_.ask({.target = "/jobs/" + id + "/events",
                                                      .fields = {{"Accept", "text/event-stream"}},
@@ -201,7 +201,7 @@ class Conversation {
 
   Expected<Step> file_of(const Exchange& exchange) {
     if (!protocol::digest_matches(exchange.repr_digest, exchange.body))
-      return again("The digest of an answer differs from its Repr-Digest.");
+      return again("The digest of an answer does not match its Repr-Digest header.");
     if (!exchange.content_location.empty() && exchange.content_location != result_)
       return otherwise(exchange.content_location);
     auto file = std::make_shared<const std::vector<std::uint8_t>>(exchange.body.begin(), exchange.body.end());
@@ -227,13 +227,13 @@ class Conversation {
 
   Expected<Step> put_mesh(Clock::time_point asked) {
     if (!puts_.begin(mesh_, asked, stop_))
-      return again("The server did not keep this mesh, which this bake had uploaded for another job.");
+      return again("This bake had uploaded the mesh for another job, but the server did not keep it.");
     const Expected<Exchange> put = send_mesh();
     puts_.done(mesh_, put && (put->status == 200 || put->status == 201));
     if (!put) return tl::unexpected(put.error());
     if (put->status == 504) return late(problem_of(*put));
     if (put->status != 200 && put->status != 201) return refused(*put);
-    return again("The server did not keep the mesh that was uploaded.");
+    return again("The server did not keep the uploaded mesh.");
   }
 
   Expected<Exchange> send_mesh() {
@@ -285,13 +285,13 @@ class RemoteBaker : public Baker {
       return fail(ErrorCode::kUnavailable, server + " " + std::move(why));
     };
     if (version->status != 200 || !document.is_object() || document.value("name", "") != "fracture-server")
-      return fail_with("answers, but is not a fracture-server: GET /version gave status " +
+      return fail_with("answers, but is not a fracture-server: GET /version returned status " +
                        std::to_string(version->status) + ".");
     const int algorithm = document.value("algorithm", 0);
     if (algorithm != kAlgorithmVersion)
       return fail_with("has algorithm version " + std::to_string(algorithm) +
                        ", and this program has version " + std::to_string(kAlgorithmVersion) +
-                       ", so the bytes of the files would differ. Use the same version.");
+                       ", so the same mesh would give different files. Use the same version.");
     const Expected<Exchange> limits = caller_.ask({.target = "/limits"}, stop);
     if (!limits) return tl::unexpected(limits.error());
     const nlohmann::json list = json_or_null(limits->body, kOfAServer);
@@ -312,8 +312,8 @@ class RemoteBaker : public Baker {
     // Checked here because this message is clearer than the server's refusal of the parameter `format`.
     if (const std::string format = extension_of(request.format);
         !formats_.empty() && !formats_.contains(format))
-      return fail(ErrorCode::kUnknownFormat,
-                  "The server does not read '" + format + "': start it with --enable-format " + format + ".");
+      return fail(ErrorCode::kUnknownFormat, "The server does not read the format '" + format +
+                                                 "': start the server with --enable-format " + format + ".");
     return Conversation(caller_, puts_, request, stop)();
   }
 

@@ -79,8 +79,8 @@ Expected<std::string> find_renderer(const std::string& named) {
   for (const fs::path& place : places)
     if (is_program(place)) return place.lexically_normal().string();
   return fail(ErrorCode::kNoProgram,
-              "There is no fracture-render next to this program or in PATH: build the client "
-              "(scripts/install-deps client), or give its path with --renderer PATH.");
+              "fracture-render was not found next to this program or in PATH: build the client "
+              "(scripts/install-deps client), or give the path of fracture-render with --renderer.");
 }
 
 Expected<RendererProcess> RendererProcess::start(const std::string& program, int threads) {

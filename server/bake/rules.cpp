@@ -161,7 +161,7 @@ Expected<RuleFile> read_rules(const std::string& path) {
                  ".");
   text.resize(static_cast<std::size_t>(stream.gcount()));
   if (text.size() > kMaxRuleFileBytes)
-    return in_file("the file has more than the limit of " + grouped(kMaxRuleFileBytes) + " bytes");
+    return in_file("the file has more than " + grouped(kMaxRuleFileBytes) + " bytes, which is the limit");
   const auto read = read_json(text, {});
   if (!read) {
     if (read.error().kind != JsonFault::Kind::kSyntax) return in_file("the file " + to_text(read.error()));
@@ -177,7 +177,7 @@ Expected<RuleFile> read_rules(const std::string& path) {
   }
   const json& document = read->value;
   if (!document.is_object() || !document.contains("rules") || !document["rules"].is_array())
-    return in_file("it must be an object with the list 'rules'");
+    return in_file("the file must be a JSON object with the list 'rules'");
   for (const auto& [name, value] : document.items())
     if (name != "rules") return in_file("'" + shortened(name) + "' is not known; only 'rules' is allowed");
   RuleFile file{.path = path};
@@ -259,9 +259,9 @@ std::vector<std::string> RuleTally::warnings() const {
       lines.push_back(
           name_of_rule(k, file_) + " (" + patterns_in_words(file_.rules[k]) + ") " +
           (seen_[k].matched
-               ? "is never applied: an earlier rule applies to the whole of every mesh that this rule matches."
+               ? "is never applied, because an earlier rule already applies to every mesh that this rule matches."
            : file_.rules[k].is_of_parts()
-               ? "matches no mesh. Rules read the names of nodes and materials only in glTF, GLB and OBJ files."
+               ? "matches no mesh. Bake reads the names of nodes and materials only from glTF, GLB and OBJ files."
                : "matches no mesh."));
   return lines;
 }

@@ -22,6 +22,7 @@
 #include "server/bake/depfile.hpp"
 #include "server/bake/explain.hpp"
 #include "server/bake/failure.hpp"
+#include "server/bake/files_to_make.hpp"
 #include "server/bake/html_report.hpp"
 #include "server/bake/input_file.hpp"
 #include "server/bake/manifest.hpp"
@@ -93,21 +94,19 @@ class Run {
     if (!faults.empty()) say(faults.error().detail);
   }
 
-  /// Checks that all outputs can be written, except those of earlier runs, which may be kept.
+  /// Checks that all files can be written, except those of earlier runs, which may be kept.
   bool can_write() {
     if (const int trouble = report_.trouble()) {
       errno = trouble;
       unwritable(options_.report);
     }
     std::set<std::string> said;
-    std::vector<std::string> places{plan_.html, options_.depfile};
-    for (const BakeJob& job : plan_.jobs)
-      if (options_.force || !report_.find(job.output)) places.push_back(job.output);
-    for (const std::string& path : places) {
+    for (const std::string& path : files_to_make(
+             plan_, options_, [&](const BakeJob& job) { return report_.find(job.output) != nullptr; })) {
       const std::optional<std::string> fault = folders_.fault_of(path);
       if (!fault) continue;
       count(&RunFigures::unwritable);
-      if (said.insert(*fault).second) say("cannot write " + name_of_output(path) + ": " + *fault);
+      if (said.insert(*fault).second) say(cannot_write(path) + ": " + *fault);
     }
     return figures_.unwritable == 0;
   }
@@ -162,12 +161,12 @@ class Run {
 
   /// Reads the reason from errno.
   void unwritable(const std::string& path) {
-    say("cannot write " + name_of_output(path) + ": " + std::strerror(errno));
+    say(cannot_write(path) + ": " + std::strerror(errno));
     count(&RunFigures::unwritable);
   }
 
   void unwritable(std::size_t job, const std::string& reason) {
-    say("cannot write " + name_of_output(plan_.jobs[job].output) + ": " + reason);
+    say(cannot_write(plan_.jobs[job].output) + ": " + reason);
     report(job, {{"status", "unwritable"}, {"problem", {{"detail", reason}}}});
     count(&RunFigures::unwritable);
     progress_->done(false, false);

@@ -18,6 +18,7 @@ struct RunOptions {
   int threads = 1;                    ///< per job; the output bytes do not depend on it
   std::string report;                 ///< path of the NDJSON report; empty: none
   std::string depfile;                ///< for a single job: see depfile.hpp; empty: none
+  std::string stages;                 ///< folder to which the baker dumps its stages; empty: none
   bool force = false;                 ///< make outputs again even if they are up to date
   bool quiet = false;                 ///< print no progress and no notes, only refusals and warnings
   FailureKeeper* failures = nullptr;  ///< stores unsound answers and bugs; null: not stored
@@ -40,7 +41,7 @@ struct RunFigures {
 };
 
 /// Returns when every job is done, a stop is requested, or the baker is unavailable. Returns at once if the
-/// report or a needed output folder is not writable; all such paths are counted. Each output is written
+/// report or a needed folder is not writable; all such paths are counted. Each output is written
 /// completely or not at all, and only if its certificate holds. Errors and the warnings of answers are
 /// printed to standard error.
 RunFigures run_bake(const BakePlan& plan, Baker& baker, const RunOptions& options,

@@ -71,7 +71,7 @@ Expected<void> check_places(const BakePlan& plan, const BakeSource& source, Line
     if (auto place = places.write(plan.html, "the page"); !place) return place;
     if (!may_be_html_report(plan.html))
       return wrong("'" + plan.html +
-                   "' exists and was not written by a bake: move it or choose another --html.");
+                   "' exists and was not written by a bake: move it, or choose another path for --html.");
   }
   if (!plan.report.empty()) {
     if (plan.report == kStandardStream)
@@ -79,7 +79,7 @@ Expected<void> check_places(const BakePlan& plan, const BakeSource& source, Line
     if (auto place = places.write(plan.report, "the report"); !place) return place;
     if (!BakeReport::may_be(plan.report))
       return wrong("'" + plan.report +
-                   "' exists and is not a bake report: move it or choose another --report.");
+                   "' exists and is not a bake report: move it, or choose another path for --report.");
   }
   if (!source.depfile.empty()) {
     if (source.depfile == kStandardStream || plan.jobs.front().output == kStandardStream ||
@@ -91,8 +91,9 @@ Expected<void> check_places(const BakePlan& plan, const BakeSource& source, Line
   for (const std::string& path : stage_files(source.stages)) {
     std::error_code error;
     if (fs::exists(fs::symlink_status(path, error)))
-      return wrong("'" + path +
-                   "' exists, and --dump-stages overwrites no file: move it or choose another folder.");
+      return wrong(
+          "'" + path +
+          "' exists, and --dump-stages does not overwrite files: move it, or choose another folder.");
     if (auto place = places.write(path, "a stage"); !place) return place;
   }
   return {};

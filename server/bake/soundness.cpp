@@ -25,8 +25,8 @@ Error unsound(const Certificate& c) {
   char detail[300];
   std::snprintf(
       detail, sizeof detail,
-      "The certificate does not hold: %llu open edges, %llu caps without a mirror image, volume in %.9g m³, "
-      "out %.9g m³, relative error %.2g. Nothing was written.",
+      "The certificate does not hold: %llu open edges, %llu caps without a mirror image, input volume %.9g m³, "
+      "output volume %.9g m³, relative error %.2g. Nothing was written.",
       static_cast<unsigned long long>(c.open_edges), static_cast<unsigned long long>(c.unmirrored_caps),
       c.volume_in, c.volume_out, c.relative_error);
   return {ErrorCode::kUnsound, detail, {}, Figures(certificate_document(c))};

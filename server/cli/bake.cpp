@@ -115,10 +115,10 @@ void tell_of(const FailureKeeper& failures) {
   const KeptFailures f = failures.figures();
   if (const std::size_t kept = f.kept + f.known; kept > 0)
     say("kept " + counted(kept, "failure", "failures") + " in " + failures.folder() +
-        "; \"command\" in a request.json reproduces its failure");
+        "; \"command\" in each request.json reproduces the failure");
   if (f.dropped > 0)
     say("no space for " + counted(f.dropped, "more failure", "more failures") + " in " + failures.folder() +
-        "; delete failures there that are understood");
+        "; delete the failures there that you no longer need");
 }
 
 /// Returns null after reporting an error and setting `exit_code` if the server cannot be used.
@@ -278,7 +278,7 @@ int bake(const BakeOptions& options) {
   FILE* const words = words_of(*plan);
   if (!options.explain && words == stderr && ::isatty(STDOUT_FILENO))
     return wrong_command_line(
-        "'-' is standard output, which is a terminal and cannot show a GLB: redirect it, or give a file.");
+        "Standard output ('-') is a terminal, which cannot show a GLB: redirect it, or give a file.");
   if (const std::size_t results = plan->skipped.size(); results > 0 && !options.quiet)
     say("skipped " + std::to_string(results) +
         (results > 1 ? " results of earlier bakes, such as " : " result of an earlier bake: ") +
@@ -325,6 +325,7 @@ int bake(const BakeOptions& options) {
   if (plan->single) run.threads = options.threads > 0 ? options.threads : cores;
   run.report = plan->report;
   run.depfile = source.depfile;
+  run.stages = source.stages;
   run.force = options.force || watched.dump;
   run.quiet = options.quiet;
   run.failures = &failures;

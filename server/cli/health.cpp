@@ -94,7 +94,7 @@ int health(const HealthOptions& o) {
   const bool of_admin = probe->path == "/livez" || probe->path == "/readyz";
   if (answer.outcome == protocol::Exchange::Outcome::kTimedOut)
     return unhealthy(where + ": no answer within " + std::to_string(o.timeout) +
-                     " s. The server is overloaded or hangs; --timeout waits longer.");
+                     " s. The server is overloaded or stuck. To wait longer, use --timeout.");
   if (answer.outcome != protocol::Exchange::Outcome::kAnswered)
     return unhealthy(
         (answer.detail.starts_with(authority) ? "" : where + ": ") + answer.detail +
@@ -103,7 +103,7 @@ int health(const HealthOptions& o) {
     return unhealthy(where + " answered 404, so this is not an admin listener. Use the --admin-port (" +
                      std::to_string(ServeOptions().server.admin_port) + " by default).");
   if (answer.status == 503 && probe->path == "/readyz")
-    return unhealthy(where + " answered 503: the server does not accept requests now.");
+    return unhealthy(where + " answered 503: the server is not accepting requests at the moment.");
   if (answer.status != 200)
     return unhealthy(where + " answered " + std::to_string(answer.status) + ", not 200.");
   std::puts("healthy");

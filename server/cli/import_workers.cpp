@@ -20,8 +20,8 @@ std::shared_ptr<ImportPool> start_import_workers(const ServeOptions& options) {
   auto pool = std::make_shared<ImportPool>(config);
   if (const WorkerHello hello = pool->hello(); hello.seccomp == 0)
     spdlog::warn(
-        "import workers run without a seccomp filter, which this machine does not allow ({}); their limits "
-        "and the other parts of the sandbox are in force",
+        "import workers run without a seccomp filter, because this machine does not allow one ({}); their "
+        "limits and the other parts of the sandbox are in force",
         std::generic_category().message(hello.seccomp_errno));
   return pool;
 }

@@ -109,7 +109,7 @@ void print(const std::string& input, const PreparedMesh& mesh, const ForRequest&
     std::printf("  not fractured: %s\n",
                 counted(source.passed_through->triangles.size(), "triangle", "triangles").c_str());
   if (mended)
-    std::printf("  repaired   %s, %s, %s; %.6g m² were added\n",
+    std::printf("  repaired   %s, %s, %s; %.6g m² of surface were added\n",
                 counted(r.open_edges, "open edge", "open edges").c_str(),
                 counted(r.nonmanifold_edges, "non-manifold edge", "non-manifold edges").c_str(),
                 counted(r.holes_filled, "filled hole", "filled holes").c_str(), r.filled_area);
@@ -222,7 +222,7 @@ int inspect_many(const InspectOptions& options, Inspector& inspector) {
   bake::MeshSearch search;
   for (const std::string& input : options.inputs) {
     if (input == bake::kStandardStream) {
-      complain("Standard input ('-') is one mesh and must be the only input.");
+      complain("Standard input ('-') contains one mesh, so it must be the only input.");
       return kExitUsage;
     }
     if (const auto looked = search.look_into(input); !looked) {

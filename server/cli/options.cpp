@@ -31,8 +31,7 @@ void add_serve(CLI::App& app, std::vector<Setting>& settings, GivenSettings& fla
   app.add_option("--config", command.config_file, "Read settings from this file (TOML: name = value)")
       ->type_name("FILE");
   app.add_flag("--print-config", command.print_config,
-               "Print the given settings as a config file in which all other settings are commented out, "
-               "and exit");
+               "Print a config file with the given settings, and with all others commented out; then exit");
   std::map<std::string, CLI::Option_group*> groups;
   for (const Setting& setting : settings) {
     CLI::Option_group*& group = groups[setting.group];
@@ -118,7 +117,7 @@ void add_bytes(CLI::App& app, const char* name, std::uint64_t& bytes, const char
 }
 
 /// Validator: an empty value usually comes from an unset variable in a script, so it is an error.
-std::string not_empty(const std::string& text) { return text.empty() ? "a name is missing: it was ''" : ""; }
+std::string not_empty(const std::string& text) { return text.empty() ? "the name must not be empty" : ""; }
 
 Insertion insertion_of(const std::string& value) {
   if (value == "cavity") return Insertion::kCavity;
@@ -137,9 +136,9 @@ void add_bake(CLI::App& app, BakeOptions& o) {
       ->type_name("");
   app.add_option(
          "-o,--output", o.source.output,
-         "For one mesh: the file to write. .glb or no extension: GLB. .gltf: a single JSON document. .obj (with "
-         ".mtl and textures), .ply, .stl: geometry and appearance only. - is standard output. For several "
-         "meshes: a folder, in which sub/barrel.obj becomes sub/barrel.obj.glb")
+         "For one mesh: the file to write, as GLB (.glb or no extension), glTF (.gltf, a single JSON document), "
+         "OBJ (.obj, with .mtl and textures), PLY or STL; the last three contain only geometry and appearance. "
+         "- is standard output. For several meshes: a folder, in which sub/barrel.obj becomes sub/barrel.obj.glb")
       ->type_name("PATH")
       ->group(kFilesGroup);
   app.add_option("--manifest", o.source.manifest,
@@ -156,8 +155,9 @@ void add_bake(CLI::App& app, BakeOptions& o) {
       ->type_name("FILE")
       ->check(not_empty)
       ->group(kFilesGroup);
-  app.add_flag("--explain", o.explain,
-               "Only print which rule matches each mesh, why it matches, and the parameters that result")
+  app.add_flag(
+         "--explain", o.explain,
+         "Only print, for each mesh, the rules that match, why they match, and the resulting parameters")
       ->group(kFilesGroup);
   app.add_option("-j,--jobs", o.jobs, "Meshes computed at the same time; 0: one per core, or 8 with --server")
       ->check(in_range(0, 1024))
@@ -195,10 +195,11 @@ void add_bake(CLI::App& app, BakeOptions& o) {
       ->type_name("FILE")
       ->check(not_empty)
       ->group(kFilesGroup);
-  app.add_option("--keep-failures", o.source.failures,
-                 "Save to this folder each failure caused by a bug in this program, and each result that "
-                 "fails its check: mesh, parameters, versions and the command that reproduces it; at most "
-                 "100 failures and 1 GiB")
+  app.add_option(
+         "--keep-failures", o.source.failures,
+         "Save to this folder all failures caused by bugs in this program, and all results that fail their "
+         "check, each with the mesh, parameters, versions and a command that reproduces it. Limits: 100 "
+         "failures and 1 GiB")
       ->type_name("FOLDER")
       ->check(not_empty)
       ->group(kSayGroup);
@@ -207,14 +208,14 @@ void add_bake(CLI::App& app, BakeOptions& o) {
   constexpr const char* kLookGroup = "Pictures of the results, drawn by the client's fracture-render";
   app.add_option("--preview", o.source.preview,
                  "Draw the fragments, moved a little apart. For one mesh: a PNG file. For several meshes: a "
-                 "folder, in which sub/barrel.obj.glb becomes sub/barrel.obj.glb.png. Missing and outdated "
-                 "pictures are drawn")
+                 "folder, in which sub/barrel.obj.glb becomes sub/barrel.obj.glb.png. Only missing and "
+                 "outdated pictures are drawn")
       ->type_name("PATH")
       ->group(kLookGroup);
   app.add_option(
          "--html", o.source.html,
-         "Write an HTML page about all meshes, slowest first, with refusals and their reasons. If there "
-         "is a renderer, the page has pictures, stored in the --preview folder (default: FILE with the "
+         "Write an HTML page about all meshes, slowest first, with refusals and their reasons. If "
+         "fracture-render is found, the page has pictures, stored in the --preview folder (default: FILE with the "
          "extension .pictures)")
       ->type_name("FILE")
       ->group(kLookGroup);
@@ -264,7 +265,7 @@ void add_bake(CLI::App& app, BakeOptions& o) {
       ->type_name("FILE")
       ->group(kServerGroup);
   app.add_option("--token", o.token,
-                 "Token for the server; prefer the variable, because process lists show flags")
+                 "Token for the server; prefer the environment variable, because process lists show flags")
       ->type_name("TOKEN")
       ->envname("FRACTURE_TOKEN")
       ->group(kServerGroup);
@@ -282,19 +283,20 @@ void add_bake(CLI::App& app, BakeOptions& o) {
       "fracture-server bake assets/ -o broken/ --html broken.html\n"
       "curl --fail https://example.org/barrel.glb | fracture-server bake - -o - > fragments.glb\n\n" +
       std::string(kExitCodesInWords) +
-      " bake exits with 3 if more meshes than --allow-refused were refused. After 130, finished files "
-      "are kept; run the same command again to continue. Parameters can be written with - or _.");
+      " bake exits with 3 if more meshes than --allow-refused were refused. After exit code 130, the "
+      "finished files are kept; run the same command again to continue. Parameter names can be written with - "
+      "or _.");
 }
 
 void add_inspect(CLI::App& app, InspectOptions& o) {
   app.add_option(
          "input", o.inputs,
-         "Mesh files, folders (with their subfolders), or globs in quotes; - is standard input. For one file: a "
-         "report. Otherwise: a line for each mesh, and a summary by cause")
+         "Mesh files, folders (with their subfolders), or globs in quotes; - is standard input. For one file, "
+         "inspect prints a report; otherwise, a line for each mesh and a summary by cause")
       ->type_name("");
   app.add_flag(
       "--json", o.json,
-      "Print the report as JSON; of several meshes, one line for each, then a line with the summary");
+      "Print the report as JSON; for several meshes: one line per mesh, then a line with the summary");
   add_bytes(app, "--memory", o.memory,
             "Memory for one mesh; default: three quarters of the memory of this machine or its control group",
             "Options");
@@ -349,15 +351,12 @@ int run(int argc, char** argv) {
   InspectOptions inspect_options;
   inspect_options.service.formats = FormatSet::all();
   CLI::App& inspect_command =
-      *app.add_subcommand("inspect",
-                          "Report, in words and through the exit code, whether a mesh can be "
-                          "fractured");
+      *app.add_subcommand("inspect", "Report whether a mesh can be fractured, in words and by the exit code");
   inspect_command.preparse_callback([&](std::size_t) { add_inspect(inspect_command, inspect_options); });
 
   HealthOptions health_options;
   CLI::App& health_command = *app.add_subcommand(
-      "health",
-      "Ask a server whether it is healthy, and report the result in words and through the exit code");
+      "health", "Ask a server whether it is healthy, and report the result in words and by the exit code");
   health_command.preparse_callback([&](std::size_t) { add_health(health_command, health_options); });
 
   try {

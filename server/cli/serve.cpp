@@ -78,7 +78,7 @@ void take_folder(http::Api& api, const std::string& folder, std::string& trouble
     const Expected<bool> taken = api.take_folder();
     if (taken && !*taken) return;
     if (taken) {
-      spdlog::info("cache-dir {} was released by the other server and is now used by this one: ready",
+      spdlog::info("cache-dir {} was released by the other server; this server now uses it and is ready",
                    folder);
       return tell_of_jobs(api);
     }

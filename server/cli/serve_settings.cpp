@@ -77,7 +77,7 @@ void judge_tiers(const ServeOptions& o, const std::function<void(std::string)>& 
   if (!redis.tls.on && !(redis.tls.ca_file.empty() && redis.tls.cert_file.empty()))
     refuse("redis-ca-file and redis-cert-file need --redis-tls");
   if (redis.tls.on && redis.address.starts_with('/'))
-    refuse("redis-tls needs a redis at host:port, not a socket path");
+    refuse("redis-tls needs a redis address host:port, not a socket path");
   if (redis.tls.on)
     if (const auto tls = RedisTls::load(redis.tls); !tls) refuse("redis-tls: " + tls.error().detail);
   if (!o.farm_key_file.empty())
@@ -119,11 +119,11 @@ std::vector<Setting> serve_settings(ServeOptions& o) {
             "Names, tokens and shares of the clients that may use this server: a JSON file, or a file "
             "with lines 'name token'; reloaded on SIGHUP"),
        list("trusted-proxy", "CIDR", o.trusted_proxies,
-            "Trust proxies in this network to identify their clients by Forwarded or the PROXY protocol"),
+            "Trust proxies in this network to identify their clients with Forwarded or the PROXY protocol"),
        flag("no-page", o.no_page, "Send no page to browsers; they get JSON, as other programs do"),
        list("page-sample", "FILE", o.page_samples,
             "A mesh that the page offers to every visitor, in addition to its own shapes"),
-       flag("insecure-bind", o.insecure_bind, "Accept clients from other machines without tokens"),
+       flag("insecure-bind", o.insecure_bind, "Accept clients on other machines even if they have no token"),
        list(
            "cors-origin", "ORIGIN", o.server.cors_origins,
            "Accept requests from web pages of this origin, such as https://example.org ('*': of any origin)"),
@@ -138,10 +138,10 @@ std::vector<Setting> serve_settings(ServeOptions& o) {
        number(
            "memory", "BYTES", o.memory, 0, kTiB,
            "Limit on the resident memory of the server and its import processes; 0: the limit of their control group, or the "
-           "machine's memory. Memory budgets that are not given are lowered until all fit"),
+           "machine's memory. Memory budgets that you do not set are lowered until all of them fit"),
        number("max-queue", "N", o.max_queue, 0, 1'000'000,
-              "Maximum number of one client's requests that are waiting for a computing thread; all clients "
-              "together may have up to four times as many"),
+              "Maximum number of requests per client that wait for a computing thread; all clients together "
+              "may have up to four times as many"),
        number("import-workers", "N", o.import_workers, 1, 1024,
               "Sandboxed processes that read files at the same time"),
        number(
@@ -156,14 +156,15 @@ std::vector<Setting> serve_settings(ServeOptions& o) {
             "Also read this format (such as blend or fbx); the parsers of such formats are large and off "
             "by default"),
        flag("all-formats", o.all_formats, "Read all formats")});
-  group("Logs",
-        {choice("log-level", o.log_level, {"trace", "debug", "info", "warn", "error", "off"},
-                "Lowest level that is logged"),
-         choice("log-format", o.log_format, {"auto", "json", "text"},
-                "Format of log lines; auto: text on a terminal, otherwise JSON"),
-         text("keep-failures", "FOLDER", o.keep_failures,
-              "Save to this folder the data that is needed to reproduce a bug or an answer that failed "
-              "its check")});
+  group(
+      "Logs",
+      {choice("log-level", o.log_level, {"trace", "debug", "info", "warn", "error", "off"},
+              "Lowest level that is logged"),
+       choice("log-format", o.log_format, {"auto", "json", "text"},
+              "Format of log lines; auto: text on a terminal, otherwise JSON"),
+       text(
+           "keep-failures", "FOLDER", o.keep_failures,
+           "Save to this folder the data needed to reproduce each bug and each answer that failed its check")});
   group(
       "Limits",
       {number("max-body", "BYTES", l.max_body, 1, kTiB,
@@ -184,7 +185,7 @@ std::vector<Setting> serve_settings(ServeOptions& o) {
            "exceed it"),
        number(
            "answer-ledger", "BYTES", l.answer_ledger, 0, kTiB,
-           "Maximum size of the record of which answers each name in the token file may see (512 bytes per entry)"),
+           "Maximum size of the list that records which answers each name in the token file may see (512 bytes per entry)"),
        number("max-header", "BYTES", l.max_header, 256, http::kReadBuffer / 2,
               "Maximum size of a request header"),
        number("max-uri", "BYTES", l.max_uri, 64, http::kReadBuffer / 2, "Maximum size of a request target"),
@@ -201,7 +202,8 @@ std::vector<Setting> serve_settings(ServeOptions& o) {
                "Time limit of a realtime computation, including its time in the queue"),
        number("max-working", "BYTES", o.dispatcher.max_working_bytes, 1, kTiB,
               "Maximum working memory of all computations together, as estimated by the server"),
-       seconds("header-timeout", l.header_timeout, "Time limit for receiving a whole header"),
+       seconds("header-timeout", l.header_timeout,
+               "Time limit for receiving a whole header, and for waiting for an I/O thread"),
        seconds("body-grace", l.body_grace, "Time before --body-rate applies to a body"),
        number("body-rate", "BYTES/S", l.body_rate, 1, kTiB, "Minimum speed of a request body"),
        seconds("body-timeout", l.body_timeout, "Time limit for receiving a whole body"),
@@ -214,16 +216,15 @@ std::vector<Setting> serve_settings(ServeOptions& o) {
       "Caches",
       {number("mesh-cache", "BYTES", s.mesh_cache_bytes, 0, kTiB,
               "Maximum size of the cache of prepared meshes"),
-       number(
-           "diagram-cache", "BYTES", s.diagram_cache_bytes, 0, kTiB,
-           "Maximum size of the cache of tetrahedralizations and of answers that are kept for further hits"),
+       number("diagram-cache", "BYTES", s.diagram_cache_bytes, 0, kTiB,
+              "Maximum size of the cache for tetrahedralizations and for answers kept for later hits"),
        number("result-cache", "BYTES", s.result_cache_bytes, 0, kTiB,
               "Maximum size of the cache of finished answers in memory"),
        text("cache-dir", "FOLDER", s.tiers.folder, "Also keep finished answers in this folder"),
        number("disk-cache", "BYTES", s.tiers.disk_bytes, 0, kTiB,
               "Maximum total size of the answers in the --cache-dir folder"),
        text("redis", "HOST:PORT", s.tiers.redis.address,
-            "Share finished answers through the Redis at this address or socket path"),
+            "Share finished answers through the Redis server at this address or socket path"),
        text("redis-user", "NAME", s.tiers.redis.user, "Redis user (Redis 6 ACL); default: the default user"),
        secret("redis-password", "TEXT", s.tiers.redis.password,
               "Redis password; prefer the environment or a file, because other users can see flags"),
@@ -237,8 +238,8 @@ std::vector<Setting> serve_settings(ServeOptions& o) {
        text("redis-key-file", "FILE", s.tiers.redis.tls.key_file, "Key of the client certificate"),
        text(
            "farm-key-file", "FILE", o.farm_key_file,
-           "Sign answers in Redis and accept only signed ones. One or two keys, one per line: the first signs, "
-           "and both are accepted"),
+           "Sign answers in Redis and accept only signed ones. The file has one or two keys, one per line: the "
+           "first signs, and both are accepted"),
        flag("sign-disk-cache", s.tiers.sign_disk,
             "Also sign the answers and jobs in the --cache-dir folder")});
   group(
@@ -285,7 +286,7 @@ std::vector<std::string> inconsistencies(const ServeOptions& o) {
                            const std::function<std::string(std::uint64_t)>& in_words) {
     if (a > b)
       refuse(std::string(small) + " (" + in_words(a) + ") is over " + large + " (" + in_words(b) +
-             "), so it could never be reached: lower the first or raise the second");
+             "), so the first limit could never be reached: lower the first or raise the second");
   };
   at_most("max-uri", l.max_uri, "max-header", l.max_header, detail::size_with_unit);
   at_most("max-body", l.max_body, "max-bodies", l.max_bodies, detail::size_with_unit);
@@ -375,8 +376,8 @@ std::vector<std::string> configure(ServeOptions& options, const std::vector<Sett
   if (tiers.sign_disk) options.jobs.keys = tiers.keys;
   if (!tiers.redis.address.empty() && tiers.keys.empty())
     options.warnings.push_back(
-        "Redis without --farm-key-file: anybody who can write to this Redis can insert false answers, which all "
-        "servers would send; give a key");
+        "Redis is used without --farm-key-file: anybody who can write to this Redis can insert false answers, "
+        "which all servers would send. Give a --farm-key-file");
   if (!options.token_file.empty()) {
     auto tokens = tenants::TokenFile::load(options.token_file);
     if (tokens)

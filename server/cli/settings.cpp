@@ -8,7 +8,9 @@
 #include <charconv>
 #include <cmath>
 #include <cstring>
+#include <filesystem>
 #include <iterator>
+#include <system_error>
 #include <utility>
 
 #include "common/base/nearest_name.hpp"
@@ -207,6 +209,10 @@ GivenSettings from_file(const std::string& path, std::span<const Setting> settin
                         std::vector<std::string>& errors) {
   GivenSettings given;
   std::vector<CLI::ConfigItem> items;
+  if (std::error_code error; std::filesystem::is_directory(path, error)) {  // would be read as an empty file
+    errors.push_back("--config '" + path + "' cannot be read: " + std::strerror(EISDIR));
+    return given;
+  }
   try {
     items = CLI::ConfigTOML().from_file(path);
   } catch (const CLI::Error& e) {

@@ -21,7 +21,7 @@ LONGEST = 600  # maximum seconds for one npm command
 
 
 def run(command, folder):
-    """Runs the command. Returns the reason if it fails, otherwise an empty string."""
+    """Runs the command. Returns an error message if the command fails, otherwise an empty string."""
     try:
         done = subprocess.run(command, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=LONGEST)
     except subprocess.TimeoutExpired:
@@ -30,11 +30,11 @@ def run(command, folder):
 
 
 def build(page):
-    """Builds the page in page/dist. Returns the reason if it cannot, otherwise an empty string."""
+    """Builds the page in page/dist. Returns an error message if the build fails, otherwise an empty string."""
     if not (page / "package.json").exists():
-        return f"{page} is not there"
+        return f"{page} does not contain a package.json"
     if not shutil.which("npm"):
-        return "there is no npm"
+        return "npm is missing"
     modules, lock = page / "node_modules", page / "package-lock.json"
     installed = modules / ".installed"  # copy of the lock file from which the modules were installed
     if not installed.exists() or installed.read_bytes() != lock.read_bytes():

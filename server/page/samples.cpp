@@ -39,8 +39,9 @@ Expected<Samples> Samples::load(const std::vector<std::string>& paths) {
     bytes.shrink_to_fit();
     all += bytes.size();
     if (all > kMostSampleBytes)
-      return fail(ErrorCode::kTooLarge, "With " + printable(path) + " the page-samples are larger than " +
-                                            std::to_string(kMostSampleBytes >> 20) + " MiB in total.");
+      return fail(ErrorCode::kTooLarge, "With " + printable(path) + ", the page's samples take more than " +
+                                            std::to_string(kMostSampleBytes >> 20) +
+                                            " MiB in total, which is the limit.");
     if (file.bad() || bytes.empty())
       return fail(ErrorCode::kFileAccess,
                   printable(path) + (file.is_open() && !file.bad() ? " is empty" : " cannot be read"));

@@ -136,7 +136,8 @@ TEST_F(OutputFiles, ATextureThatNoBakeMadeIsNotWrittenOver) {
   folder.write("x_texture_0.png", "a photograph");
   EXPECT_EQ(run("x.obj").unwritable, 1u);
   EXPECT_EQ(read_file(folder / "x_texture_0.png"), "a photograph");
-  EXPECT_THAT(line().at("problem").at("detail").get<std::string>(), HasSubstr("x_texture_0.png: it exists"));
+  EXPECT_THAT(line().at("problem").at("detail").get<std::string>(),
+              HasSubstr("x_texture_0.png: the file exists"));
   EXPECT_FALSE(fs::exists(folder / "x.obj")) << "no output without what it names";
   EXPECT_FALSE(fs::exists(folder / "x.mtl"));
 }

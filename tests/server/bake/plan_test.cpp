@@ -138,6 +138,9 @@ TEST_F(BakePlanTest, SaysWhichLineOrPathIsWrong) {
            {{.inputs = {folder / "in"}}, "--output"},
            {{.manifest = "m", .output = "o"}, "leave out --output"},
            {{.manifest = folder / "absent"}, "absent"},
+           {{.manifest = folder.write("none.ndjson", "")},
+            "none.ndjson' has no jobs. Write one line for each"},
+           {{.manifest = folder.write("blank.ndjson", "\n \t\r\n")}, "blank.ndjson' has no jobs"},
            {{.inputs = {folder / "empty"}, .output = "o"},
             "No mesh was found in '" + (folder / "empty") + "'"},
            {{.inputs = {folder / "in/*.ply"}, .output = "o"}, "*.ply"},
@@ -194,7 +197,7 @@ nonsense
                                        testing::HasSubstr("'seed' must be")),
                         "Line 9" + of + "'output' is missing.",
                         testing::AllOf(begins("Line 10" + of), testing::HasSubstr("would both be written"))));
-  // Each shard reports all mistakes; otherwise a night of work is lost on every machine.
+  // Each shard reports all mistakes; otherwise every machine would lose a night's work.
   EXPECT_EQ(plan_bake({.manifest = manifest, .shard = {1, 3}}, parse).error().detail, made.error().detail);
 }
 

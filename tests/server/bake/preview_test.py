@@ -80,17 +80,17 @@ class WithScripts(ScriptCase):
             self.assertEqual(ended.returncode, code, ended.stderr)
             return ended.stderr
         said = alone("in/box.obj", "-o", "box.glb", "--preview", "box.png", code=2)
-        self.assertIn("no-program: There is no fracture-render", said)
+        self.assertIn("no-program: fracture-render was not found", said)
         self.assertIn("--renderer", said)
         self.assertNotIn("box.glb", self.files())
         said = alone("in/box.obj", "-o", "box.glb", "--html", "r.html", "--renderer", "absent", code=2)
         self.assertIn("'absent'", said)
         self.assertNotIn("box.glb", self.files())
         said = alone("in", "-o", "out", "--html", "r.html", "--sites", "5", code=3)
-        self.assertIn("no pictures are drawn: There is no fracture-render", said)
+        self.assertIn("no pictures are drawn: fracture-render was not found", said)
         page = self.page()
         self.assertEqual(page.pictures, [])
-        self.assertIn("No pictures were drawn: There is no fracture-render", page.text)
+        self.assertIn("No pictures were drawn: fracture-render was not found", page.text)
         self.assertEqual(len(page.meshes()), 3)
 
     def test_a_renderer_that_hangs_crashes_or_lies_is_a_warning(self):

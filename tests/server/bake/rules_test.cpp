@@ -229,7 +229,7 @@ TEST_F(BakeRulesTest, WhatIsWrongIsNamedWithItsPlaceAndLimit) {
       {"{\"rules\": [\n", file + "the JSON ends before it is complete (line 2, column 1)."},
       {"", file + "the JSON ends before it is complete (line 1, column 1)."},
       {R"({"rules": [], "rules": []})", file + "the file names 'rules' more than once."},
-      {"[]", file + "it must be an object with the list 'rules'."},
+      {"[]", file + "the file must be a JSON object with the list 'rules'."},
       {R"({"rules": []})", file + "there must be 1 to 1,000 rules; it has 0."},
       {R"({"rules": [1], "version": 2})", file + "'version' is not known; only 'rules' is allowed."},
       {R"({"rules": [1]})", rule + "it must be an object."},
@@ -249,7 +249,8 @@ TEST_F(BakeRulesTest, WhatIsWrongIsNamedWithItsPlaceAndLimit) {
        rule + "a pattern of 'node' must not contain a NUL character; it was \"b\\u0000c\"."},
       {with_match("{\"path\": \"" + long_text(1001) + "\"}"),
        rule + "a pattern of 'path' must have 1 to 1000 bytes; it had 1001."},
-      {long_text(kMaxRuleFileBytes + 1), file + "the file has more than the limit of 1,048,576 bytes."},
+      {long_text(kMaxRuleFileBytes + 1),
+       file + "the file has more than 1,048,576 bytes, which is the limit."},
   };
   for (const auto& [text, detail] : cases) EXPECT_EQ(refused(text), detail) << text.substr(0, 100);
   EXPECT_EQ(refused(with_match("{\"path\": \"" + long_text(1000) + "\"}")), "");
@@ -293,9 +294,9 @@ TEST_F(BakeRulesTest, RulesThatDecideNothingAreSaid) {
       tally.warnings(),
       (std::vector<std::string>{
           "Rule 3 of '" + path +
-              "' (path \"b*\") is never applied: an earlier rule applies to the whole of every mesh that this rule matches.",
+              "' (path \"b*\") is never applied, because an earlier rule already applies to every mesh that this rule matches.",
           "Rule 4 of '" + path +
-              "' (path \"c*\", material \"oak\") matches no mesh. Rules read the names of nodes and materials only in "
+              "' (path \"c*\", material \"oak\") matches no mesh. Bake reads the names of nodes and materials only from "
               "glTF, GLB and OBJ files."}));
   tally.add_unread("d.obj");
   EXPECT_EQ(tally.warnings().size(), 2u) << "d.obj is called otherwise";

@@ -280,7 +280,25 @@ TEST_F(BakeRunTest, AFolderThatCannotBeWrittenToIsFoundBeforeAnythingIsMade) {
   options.depfile = "";
   plan.html = folder / "file/page.html";
   EXPECT_EQ(run_bake(plan, baker, options, {}).unwritable, 1u);
+  plan.html = "";
+  for (const std::string& bad : {folder / "file", folder / "file/below", std::string("/proc/x")}) {
+    FailureKeeper failures({.folder = bad});
+    options.failures = &failures;
+    options.stages = "";
+    EXPECT_EQ(run_bake(plan, baker, options, {}).unwritable, 1u) << bad;
+    options.failures = nullptr;
+    options.stages = bad;
+    EXPECT_EQ(run_bake(plan, baker, options, {}).unwritable, 1u) << bad;
+  }
+  options.stages = "";
   EXPECT_EQ(baker.asked, 0);
+  Previews previews({}, [](const std::string&) {});
+  options.previews = &previews;
+  plan.jobs.front().picture = folder / "file/a.png";
+  EXPECT_EQ(run_bake(plan, baker, options, {}).unwritable, 1u) << "a picture is asked for too";
+  options.no_pictures = "There is no renderer.";
+  EXPECT_TRUE(run_bake(plan, baker, options, {}).begun) << "no picture is drawn";
+  EXPECT_EQ(static_cast<std::size_t>(baker.asked), plan.jobs.size());
   for (const auto& entry : fs::recursive_directory_iterator(folder.path))
     EXPECT_NE(entry.path().extension(), ".part") << "what was tried is gone";
 }

@@ -200,10 +200,10 @@ TEST_F(BakeSafety, DevicesPipesSocketsFoldersAndDescriptorsAreNoOutputs) {
   fs::create_symlink("pipe", folder / "pipe link");
   for (const auto& [path, what] :
        std::vector<std::pair<std::string, std::string>>{{"/dev/null", "a device"},
-                                                        {"/dev/stdout", "an open descriptor"},
-                                                        {"/dev/fd/1", "an open descriptor"},
-                                                        {"/proc/self/fd/1", "an open descriptor"},
-                                                        {folder / "link", "an open descriptor"},
+                                                        {"/dev/stdout", "an open file descriptor"},
+                                                        {"/dev/fd/1", "an open file descriptor"},
+                                                        {"/proc/self/fd/1", "an open file descriptor"},
+                                                        {folder / "link", "an open file descriptor"},
                                                         {folder / "pipe", "a pipe"},
                                                         {folder / "pipe link", "a pipe"},
                                                         {folder / "socket", "a socket"}}) {

@@ -137,7 +137,7 @@ class Schemas(unittest.TestCase):
                 fits.validate(line)
             self.assertEqual([line["status"] for line in lines],
                              ["made", "made", "refused", "unreadable", "unwritable", "refused"], turn)
-            self.assertIn("contains nothing of the mesh", lines[1]["warnings"][0])
+            self.assertIn("contains no part of the mesh", lines[1]["warnings"][0])
             self.assertIn("1 hole was filled", lines[1]["notes"][0])
             self.assertIn({"what": "camera", "name": "eye <1>"}, [{k: v for k, v in entry.items() if k != "reason"}
                                                               for entry in lines[1]["dropped"]])

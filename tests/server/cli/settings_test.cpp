@@ -203,8 +203,9 @@ TEST_F(Settings, RedisAndItsSignaturesAreJudgedTogether) {
   EXPECT_THAT(configured({{"redis-user", {"farm", ""}}, {"redis-tls", {"true", ""}}}),
               testing::UnorderedElementsAre(HasSubstr("with --redis"), HasSubstr("redis-user needs")));
   options.service.tiers.redis.address = "/run/redis.sock";
-  EXPECT_THAT(configured({}), testing::UnorderedElementsAre(HasSubstr("redis-user needs"),
-                                                            HasSubstr("redis-tls needs a redis at host")));
+  EXPECT_THAT(configured({}),
+              testing::UnorderedElementsAre(HasSubstr("redis-user needs"),
+                                            HasSubstr("redis-tls needs a redis address host")));
   options.service.tiers.redis.address = "redis:6379";
   EXPECT_THAT(configured({{"redis-password", {"hunter2", ""}},
                           {"redis-password-file", {"/absent/password", ""}},

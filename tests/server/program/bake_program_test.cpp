@@ -105,7 +105,7 @@ TEST_F(BakeProgram, APipeThatSaysTooLittleIsRefusedAndOneThatIsClosedIsAnError) 
   EXPECT_EQ(shell("$f bake in/poison/sheet.obj -o - > x.glb"), 3);
   EXPECT_EQ(bytes("x.glb"), "");
   EXPECT_EQ(shell("mkfifo pipe; exec 8<>pipe 9>pipe; exec 8<&-; $f bake cube.off -o - -q >&9"), 1) << err;
-  EXPECT_THAT(err, HasSubstr("cannot write standard output"));
+  EXPECT_THAT(err, HasSubstr("cannot write to standard output"));
 }
 
 TEST_F(BakeProgram, StandardOutputThatIsATerminalIsRefused) {
@@ -197,6 +197,13 @@ TEST_F(BakeProgram, AFolderThatCannotBeWrittenToIsFoundBeforeAnythingIsMade) {
   EXPECT_FALSE(fs::exists(folder / "good.glb"));
   EXPECT_EQ(shell("$f bake cube.off -o file/new/x.glb --sites 5"), 1);
   EXPECT_THAT(err, AllOf(HasSubstr("'file/new' cannot be written to"), Not(HasSubstr("encode"))));
+  for (const std::string bad : {"/proc/x", "file", "file/below"})
+    for (const std::string option : {"--keep-failures ", "--dump-stages "}) {
+      EXPECT_EQ(shell("$f bake cube.off -o x.glb --sites 5 " + option + bad), 1) << option << bad;
+      EXPECT_THAT(
+          err, AllOf(HasSubstr("the folder '" + bad + "' cannot be written to"), Not(HasSubstr("encode"))));
+      EXPECT_FALSE(fs::exists(folder / "x.glb"));
+    }
   EXPECT_EQ(shell("$f bake in -o file/out --sites 5"), 1);
   EXPECT_THAT(err, HasSubstr("'file/out' cannot be written to"));
 }
@@ -240,7 +247,7 @@ TEST_F(BakeProgram, WarnsInTheSameWordsForOneFileAndForMany) {
   EXPECT_THAT(
       words,
       HasSubstr(
-          "tub.off: warning: The region of 'keep_center' and 'keep_radius' contains nothing of the mesh"));
+          "tub.off: warning: The region of 'keep_center' and 'keep_radius' contains no part of the mesh"));
   EXPECT_THAT(words, Not(HasSubstr(": note: "))) << "quiet";
   fs::create_directory(folder / "many");
   ASSERT_EQ(shell("$f bake tub.off -o many/ -q" + far), 0) << err;
@@ -299,7 +306,9 @@ TEST_F(BakeProgram, AWrongCommandLineIsAnsweredWithTheRequirementAndTheValue) {
       {"serve --port 1 --port 2", "--port is given more than once. Give it once."},
       {"serve --max-body 2GiB --max-bodies 1GiB", "max-body (2GiB) is over max-bodies (1GiB)"},
       {"serve --log-level loud", "must be trace, debug, info, warn, error or off"},
-      {"serve --config absent.toml", "--config 'absent.toml' cannot be read: No such file or directory"}};
+      {"serve --config absent.toml", "--config 'absent.toml' cannot be read: No such file or directory"},
+      {"serve --config in", "--config 'in' cannot be read: Is a directory"},
+      {"serve --farm-key-file in", "--farm-key-file 'in' cannot be read: Is a directory"}};
   for (const auto& [command, said] : cases) {
     EXPECT_EQ(shell("$f " + command), 2) << command;
     EXPECT_THAT(err, HasSubstr(said)) << command;

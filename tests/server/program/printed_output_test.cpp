@@ -26,10 +26,10 @@ TEST_F(BakeProgram, OutputThatIsLostIsAnErrorOfEveryCommand) {
         std::string("bake cube.off -o - --sites 5 -q"), std::string("bake cube.off -o x.glb --explain"),
         health}) {
     EXPECT_EQ(shell("$f " + command + " > /dev/full"), 1) << command;
-    EXPECT_THAT(err, HasSubstr("cannot write standard output: No space left on device\n")) << command;
+    EXPECT_THAT(err, HasSubstr("cannot write to standard output: No space left on device\n")) << command;
     EXPECT_EQ(shell("$f " + command + " >&-"), 1) << command;
-    EXPECT_THAT(err, HasSubstr("cannot write standard output: Bad file descriptor\n")) << command;
-    EXPECT_THAT(err, Not(HasSubstr("cannot write standard output: No space"))) << command;
+    EXPECT_THAT(err, HasSubstr("cannot write to standard output: Bad file descriptor\n")) << command;
+    EXPECT_THAT(err, Not(HasSubstr("cannot write to standard output: No space"))) << command;
   }
   ASSERT_EQ(shell("$f bake cube.off -o right.glb --sites 5 -q"), 0) << err;
   EXPECT_EQ(bytes("lost.glb"), bytes("right.glb"))

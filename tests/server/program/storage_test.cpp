@@ -92,7 +92,8 @@ TEST(Folders, OneThatCannotBeHadIsRefusedAtTheStart) {
   const TemporaryFolder folder;
   std::ofstream(folder / "file") << "x";
   for (const char* setting : {"--cache-dir", "--keep-failures"})
-    for (const std::string& bad : {std::string("/proc/x"), folder / "file", folder / "file/below"}) {
+    for (const std::string& bad :
+         {std::string("/proc"), std::string("/proc/x"), folder / "file", folder / "file/below"}) {
       const Ended refused(with({"--port", "0", "--admin-port", "0", setting, bad}));
       EXPECT_NE(refused.code, 0) << setting << " " << bad << "\n" << refused.said;
       EXPECT_THAT(refused.said, HasSubstr(std::string(setting) + ": the folder '"));
