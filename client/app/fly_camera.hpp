@@ -13,10 +13,10 @@ class FlyCamera {
   /// `window` must outlive the camera.
   explicit FlyCamera(GLFWwindow* window) : window_(window) {}
 
-  /// Takes the scene's view.
+  /// Moves the camera to the scene's view.
   void aim(const scenes::Scene& scene);
-  /// Takes the scene's view at that time of the game, in seconds. Does nothing once the player has moved or
-  /// turned the view.
+  /// Moves the camera to the scene's view at the given time of the game, in seconds. Does nothing once the
+  /// player has moved or turned the view.
   void follow(const scenes::Scene& scene, double seconds);
   /// Moves for one frame: W A S D, Q E, Shift, and the mouse if it turns the view.
   void move(float seconds);

@@ -93,7 +93,7 @@ class HeadlessRun {
     if (sound_) keep(sound_->finish());
     if (settings_.recorder && !settings_.recorder->finish())
       keep(fail(ErrorCode::kFileAccess,
-                "Cannot write the whole game to " + options_.log + ". Is the disk full?"));
+                "Cannot finish writing the recording " + options_.log + ". Is the disk full?"));
     if (film_ && played) keep(film_->finish());
     if (!first) return tl::unexpected(first.error());
     return result();
@@ -294,8 +294,8 @@ class HeadlessRun {
 /// Warns about requested pictures and explosions that come after the end and so never happen.
 void warn_of_what_is_late(const Options& options) {
   const auto warn = [&](const char* what, double time) {
-    std::fprintf(stderr, "fracture-client: the %s at %g s comes after the end at %g s\n", what, time,
-                 options.seconds);
+    std::fprintf(stderr, "fracture-client: the %s at %g s is skipped, because the run ends at %g s\n", what,
+                 time, options.seconds);
   };
   for (const double time : options.screenshots)
     if (time > options.seconds) warn("picture", time);

@@ -65,8 +65,8 @@ void draw_help(const PanelState& state) {
   ImGui::TextUnformatted(
       "WASD, Q E      move (Shift: faster)\n"
       "right button   hold: look around; Tab: always\n"
-      "click          throw a ball at the pointer, or\n"
-      "F              switch tool: wrecking ball, explosion\n"
+      "click          use the tool at the pointer\n"
+      "F              switch tool: ball, wrecking ball, explosion\n"
       "X              hold: gravity on\n"
       "G              gravity always on\n"
       "T              slow motion; . (dot): single step\n"

@@ -90,8 +90,8 @@ tl::expected<Options, Exit> parse_options(int argc, char** argv) {
   Options o;
   CLI::App app{"fracture-client: a game with objects that break. A fracture-server computes the fragments."};
   app.option_defaults()->always_capture_default();
-  CLI::Option* files = app.add_option(
-      "files", o.files, "Meshes, or folders with meshes, that fall and break instead of a scene");
+  CLI::Option* files =
+      app.add_option("files", o.files, "Meshes, or folders of meshes, to drop and break instead of a scene");
   files->capture_default_str();
   CLI::Option* scene = app.add_option("--scene", o.scene, "Scene");
   scene->check(CLI::IsMember(scenes::scene_names()));
@@ -103,7 +103,7 @@ tl::expected<Options, Exit> parse_options(int argc, char** argv) {
   all_sites->check(CLI::Range(0, 100000));
   std::vector<std::string> set;
   CLI::Option* set_values = app.add_option(
-      "--set", set, "NAME=VALUE: a parameter from GET /patterns for each fracture; can be repeated");
+      "--set", set, "NAME=VALUE: a parameter for all fractures, as listed by GET /patterns; can be repeated");
   set_values->check([](const std::string& text) {
     nlohmann::json ignored;
     return add_parameter(text, ignored) ? std::string() : "'" + text + "' must be NAME=VALUE";
@@ -131,16 +131,16 @@ tl::expected<Options, Exit> parse_options(int argc, char** argv) {
   bool no_anticipation = false, no_throws = false, no_requests = false, no_sound = false, no_effects = false;
   CLI::Option* without_anticipation =
       app.add_flag("--no-anticipation", no_anticipation,
-                   "Send requests at the contact, not while the ball is still in the air");
+                   "Send requests when the ball hits, not while it is still in the air");
   app.add_flag("--gravity", o.gravity, "In a window: gravity is on from the start, without holding X");
   app.add_flag("--no-effects", no_effects, "No dust, crumbs or marks");
   app.add_flag("--no-sound", no_sound, "In a window: no sound");
   app.add_option("--close-after", o.close_after,
-                 "In a window: close after this many seconds and write window.png to the --out folder")
+                 "In a window: after this many seconds, write window.png to the --out folder and close")
       ->check(not_a_number)
       ->check(CLI::Range(0.0, 86400.0));
   app.add_option("--out", o.out, "Folder for pictures and saved files");
-  app.add_option("--log", o.log, "File in which the game is recorded, for --replay and --continue")
+  app.add_option("--log", o.log, "Record the game in this file, for --replay and --continue")
       ->check(not_empty);
   CLI::Option* resumed = app.add_option(
       "--continue", o.continue_from,
@@ -149,11 +149,12 @@ tl::expected<Options, Exit> parse_options(int argc, char** argv) {
   resumed->check(not_empty);
   CLI::Option* headless = app.add_flag("--headless", o.headless, "Run without a window, then exit");
   const auto add = [&](CLI::Option* option) { option->needs(headless); };
-  add(app.add_flag("--fixed-step", o.fixed_step,
-                   "Make the run reproducible: answers take effect after --answer-steps, and simulated time "
-                   "pauses if the server is slower"));
+  add(app.add_flag(
+      "--fixed-step", o.fixed_step,
+      "Make the run reproducible: an answer takes effect --answer-steps steps after its request, and "
+      "simulated time pauses if the server needs longer"));
   add(app.add_option("--wav", o.wav,
-                     "File for the sound: WAV, 16 bits, stereo, 48 kHz; requires --fixed-step or --replay")
+                     "Sound file to write (WAV, 16 bits, stereo, 48 kHz); requires --fixed-step or --replay")
           ->check(not_empty));
   const auto is_address = [](const std::string& text) {
     return address_of(text) ? std::string()
@@ -175,8 +176,8 @@ tl::expected<Options, Exit> parse_options(int argc, char** argv) {
     joins->excludes(said);
   CLI::Option* replayed = app.add_option(
       "--replay", o.replay,
-      "Replay a game that was recorded with --log, and compare each step. If a step differs, the exit code is 4 "
-      "and the number of the first such step is printed");
+      "Replay a game that was recorded with --log, and compare each step with the recording. If a step differs, "
+      "print the number of the first such step and exit with code 4");
   add(replayed->check(not_empty));
   replayed->excludes(resumed)->excludes(invites)->excludes(joins);
   // These come from the recording.
@@ -184,19 +185,19 @@ tl::expected<Options, Exit> parse_options(int argc, char** argv) {
     resumed->excludes(said);
   CLI::Option* answer_steps =
       app.add_option("--answer-steps", o.answer_steps,
-                     "Number of steps of 1/120 s until the answer to a request takes effect");
+                     "Number of steps (1/120 s each) from a request until its answer takes effect");
   add(answer_steps->check(CLI::Range(1, 1200)));
   CLI::Option* seconds = app.add_option("--seconds", o.seconds, "Simulated time of the whole run in seconds");
   add(seconds->check(not_a_number)->check(CLI::Range(0.0, 3600.0)));
   add(app.add_option("--screenshot-at", o.screenshots,
-                     "Simulated times in seconds at which to take pictures, separated by commas")
+                     "Take pictures at these simulated times in seconds, separated by commas")
           ->delimiter(',')
           ->check(not_a_number)
           ->check(CLI::Range(0.0, 3600.0)));
   add(app.add_option(
              "--record", o.record,
-             "Film of all frames (60 per second): a file that ends in .mp4, .gif or .webp (requires ffmpeg), or a "
-             "folder for PNG frames, which must not contain an earlier film")
+             "Film all frames (60 per second) to a file that ends in .mp4, .gif or .webp (requires ffmpeg), or to a "
+             "folder of PNG frames, which must not contain an earlier film")
           ->check(not_empty));
   add(app.add_flag("--draw", o.draw,
                    "Draw every frame and discard the picture, to measure the cost of drawing"));
@@ -214,7 +215,7 @@ tl::expected<Options, Exit> parse_options(int argc, char** argv) {
             return blast ? std::string() : blast.error();
           }));
   CLI::Option* without_requests = app.add_flag(
-      "--no-requests", no_requests, "Send no requests for hits, to compare the motion with and without them");
+      "--no-requests", no_requests, "Send no fracture requests, to compare the motion with and without them");
   add(without_requests);
   for (CLI::Option* said : {answer_steps, seconds, without_anticipation, without_throws, without_requests})
     joins->excludes(said);

@@ -46,7 +46,7 @@ std::optional<std::string> same_place(const Options& options) {
     for (std::size_t other = 0; other < k; ++other) {
       const Place &a = places[other], &b = places[k];
       if (a.path.empty() || b.path.empty() || !(a.written || b.written) || !are_one(a.path, b.path)) continue;
-      return a.flag + " and " + b.flag + " are both '" + printable(b.path) + "'.";
+      return a.flag + " and " + b.flag + " are both '" + printable(b.path) + "'. Specify different files.";
     }
   return std::nullopt;
 }

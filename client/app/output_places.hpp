@@ -8,8 +8,8 @@
 
 namespace fracture::app {
 
-/// Returns "--wav and --replay are both 'x'." if two of --record, --wav and --log name the same file, or if
-/// one of them names an input (--replay, --continue, a mesh). Links and other spellings are recognized.
+/// Returns "--wav and --replay are both 'x'. …" if two of --record, --wav and --log name the same file, or
+/// if one of them names an input (--replay, --continue, a mesh). Links and other spellings are recognized.
 /// Devices such as /dev/null are ignored.
 std::optional<std::string> same_place(const Options& options);
 

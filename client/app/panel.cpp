@@ -19,7 +19,8 @@ void server_section(const protocol::Client& client) {
   ImGui::Text("  %zu open, %" PRIu64 " answered, %" PRIu64 " failed, %" PRIu64 " retried", s.open, s.answered,
               s.failed, s.retried);
   if (s.fractures_timed > 0)
-    ImGui::Text("latency p50 %.1f ms, p99 %.1f ms (%zu)", s.p50_ms, s.p99_ms, s.fractures_timed);
+    ImGui::Text("latency p50 %.1f ms, p99 %.1f ms (%zu fracture%s)", s.p50_ms, s.p99_ms, s.fractures_timed,
+                s.fractures_timed == 1 ? "" : "s");
   else
     ImGui::TextDisabled("no latency yet");
   double all = 0;
@@ -40,7 +41,7 @@ void frame_section(const PanelState& state) {
     worst = std::max(worst, ordered[k]);
   }
   char text[64];
-  std::snprintf(text, sizeof text, "worst %.2f ms, %.0f frames/s", static_cast<double>(worst),
+  std::snprintf(text, sizeof text, "worst frame %.2f ms, %.0f frames/s", static_cast<double>(worst),
                 state.frames_per_second);
   ImGui::PlotLines("##frames", ordered.data(), static_cast<int>(ordered.size()), 0, text, 0,
                    std::max(4.f, worst), ImVec2(ImGui::GetContentRegionAvail().x, 60));

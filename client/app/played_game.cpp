@@ -66,7 +66,7 @@ bool PlayedGame::frame(Tick tick, double seconds, bool back) {
   if (patterns_.empty() && now()->patterns) patterns_ = *now()->patterns;
   if (!std::exchange(too_long_, now()->history_full) && too_long_)
     note_(
-        "This game is now too long to record: F5 saves only its beginning, and B cannot rewind. R starts a new game.");
+        "This game is now too long to record. F5 saves only its beginning, and B cannot rewind. R starts a new game.");
   return false;
 }
 
@@ -122,7 +122,7 @@ void PlayedGame::post(std::function<void(game::Game&)> command) {
 void PlayedGame::use(Tool tool, const glm::dvec3& eye, const glm::dvec3& direction) {
   if (!goes_on()) return;
   game_->simulation.post([tool, eye, direction](game::Game& game) {
-    return use_tool(tool, game, eye, direction) ? std::string() : "there is nothing to explode at this place";
+    return use_tool(tool, game, eye, direction) ? std::string() : "there is nothing here to explode";
   });
 }
 

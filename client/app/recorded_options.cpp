@@ -27,8 +27,8 @@ Expected<Options> with_header(Options options, const json& header) {
     header.at("seed").get_to(options.seed);
     header.at("anticipate").get_to(options.anticipate);
   } catch (const json::exception& error) {
-    return fail(ErrorCode::kBadJson,
-                "The header of the recorded game lacks the scene or settings: " + json_trouble(error) + ".");
+    return fail(ErrorCode::kBadJson, "The header of the recorded game has no valid scene or settings: " +
+                                         json_trouble(error) + ".");
   }
   return options;
 }
@@ -53,9 +53,10 @@ Expected<void> check_scene(const json& header, const scenes::Scene& scene) {
   // Old recordings have no digest. They are played, and a step that differs is reported.
   const auto digest = header.find("digest");
   if (digest == header.end() || *digest == scenes::digest_of(scene)) return {};
-  return fail(ErrorCode::kBadParameter,
-              "The recorded scene '" + scene.name +
-                  "' differs from this program's. A mesh has changed, or another version recorded the game.");
+  return fail(
+      ErrorCode::kBadParameter,
+      "The recorded scene '" + scene.name +
+          "' differs from this program's scene. A mesh has changed, or another version recorded the game.");
 }
 
 Expected<std::shared_ptr<game::Recorder>> recorder_for(const std::string& path, const json& header) {

@@ -27,7 +27,8 @@ void SoundTrack::add(const game::Game& game, const world::Witnessed& witnessed) 
 
 Expected<void> SoundTrack::finish() {
   if (!file_.finish())
-    return fail(ErrorCode::kFileAccess, "Cannot write the whole sound to " + path_ + ". Is the disk full?");
+    return fail(ErrorCode::kFileAccess,
+                "Cannot finish writing the sound file " + path_ + ". Is the disk full?");
   return {};
 }
 

@@ -9,6 +9,7 @@
 #include "client/cli/draw_picture.hpp"
 #include "client/cli/sheet.hpp"
 #include "client/egl/egl_context.hpp"
+#include "client/render/image.hpp"
 #include "common/base/exit_codes.hpp"
 #include "common/base/printed_output.hpp"
 
@@ -45,6 +46,8 @@ struct Command {
 };
 
 Expected<void> run(const Command& command) {
+  if (!command.list)
+    if (auto may = fracture::render::may_write_png(command.output); !may) return may;
   PictureOptions options;
   fracture::cli::Sheet sheet;
   if (command.sheet.empty() && !command.list) {
@@ -88,8 +91,8 @@ int run_program(int argc, char** argv) {
                  "Draw the table of pictures described by this JSON file (client/cli/sheet.hpp)");
   app.add_flag(
       "--list", command.list,
-      "Draw one picture per line of standard input: a JSON object with these options, \"file\" and \"output\". "
-      "The program prints one line for each (client/cli/draw_list.hpp)");
+      "Draw one picture per line of standard input. A line is a JSON object with \"file\", \"output\" and any of "
+      "these options. The program prints one line per picture (client/cli/draw_list.hpp)");
   app.add_flag("-q,--quiet", command.quiet, "Print no warnings");
   for (const OptionSpec& spec : fracture::cli::option_specs()) {
     const std::string name = spec.name;

@@ -112,7 +112,7 @@ constexpr OptionSpec kSpecs[] = {
      }},
     {"view", "VIEW", "Arrangement of the fragments: assembled, exploded, impact",
      [](P& o, J v) { o.view.view = choose(v, kViews); }},
-    {"explode", "0 to 10", "Distance that fragments move from the centre",
+    {"explode", "0 to 10", "How far fragments move from the centre; 1 doubles every distance",
      [](P& o, J v) { o.view.explode = real(v, 0, 10); }},
     {"colors", "COLORS", "Colours: material, fragment (by id), level (by group), interior (cut faces orange)",
      [](P& o, J v) {
@@ -148,13 +148,13 @@ constexpr OptionSpec kSpecs[] = {
     {"pitch", "-89 to 89", "Degrees above the horizon", [](P& o, J v) { o.camera.pitch = real(v, -89, 89); }},
     {"field-of-view", "1 to 120", "Field of view of the shorter side in degrees",
      [](P& o, J v) { o.camera.field_of_view = real(v, 1, 120); }},
-    {"margin", "0.1 to 10", "Space around the object; with 1 its bounding sphere fills the picture",
+    {"margin", "0.1 to 10", "Space around the object; at 1, its bounding sphere fills the picture",
      [](P& o, J v) { o.camera.margin = real(v, 0.1, 10); }},
     {"target", "x,y,z", "Point in metres at which the camera looks; default: the middle of the object",
      [](P& o, J v) { o.camera.target = vector(v); }},
     {"orthographic", "", "Draw without perspective", [](P& o, J v) { o.camera.orthographic = yes(v); }},
     {"frame", "FRAME",
-     "Arrangement to which the camera is fitted: view, or assembled (fragments may leave the picture)",
+     "Arrangement that the camera frames: view, or assembled (fragments may then leave the picture)",
      [](P& o, J v) {
        if (v != "view" && v != "assembled") refuse("one of view, assembled");
        o.frame = v.get<std::string>();
@@ -167,7 +167,7 @@ constexpr OptionSpec kSpecs[] = {
      [](P& o, J v) { o.settings.lighting.sky_shadows = whole(v, 0, render::kMaxSkyDirections); }},
     {"picture", "PICTURE", "Quality: low (without a graphics card), high (with one)",
      [](P& o, J v) { o.settings.tier = choose(v, kTiers); }},
-    {"supersample", "1 to 4", "Draw the picture this many times larger and average it",
+    {"supersample", "1 to 4", "Draw the picture this many times larger, then scale it down",
      [](P& o, J v) { o.supersample = whole(v, 1, 4); }},
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <system_error>
 
 #include "client/render/text.hpp"
 
@@ -28,8 +29,9 @@ Expected<std::vector<json>> headings(const json& document, const char* key, cons
     return fail(ErrorCode::kBadParameter, path + ": /" + key + " must be an array with at least one object.");
   for (std::size_t k = 0; k < it->size(); ++k)
     if (!(*it)[k].is_object() || ((*it)[k].contains("label") && !(*it)[k]["label"].is_string()))
-      return fail(ErrorCode::kBadParameter, path + ": /" + key + "/" + std::to_string(k) +
-                                                " must be an object whose label is a string.");
+      return fail(ErrorCode::kBadParameter,
+                  path + ": /" + key + "/" + std::to_string(k) +
+                      " must be an object, and its label, if any, must be a string.");
   return it->get<std::vector<json>>();
 }
 
@@ -80,13 +82,15 @@ Expected<Sheet> parse(const json& document, const std::string& path) {
 }  // namespace
 
 Expected<Sheet> read_sheet(const std::string& path) {
+  std::error_code unknown;
   std::ifstream in(path, std::ios::binary);
-  if (!in) return fail(ErrorCode::kFileAccess, "Cannot read " + path + ".");
+  if (!in || std::filesystem::is_directory(path, unknown))
+    return fail(ErrorCode::kFileAccess, "Cannot read " + path + ".");
   try {
     return parse(json::parse(in), path);
   } catch (const json::parse_error& error) {
     return fail(ErrorCode::kBadParameter,
-                path + " is not valid JSON at byte " + std::to_string(error.byte) + ".");
+                path + " is not valid JSON (error at byte " + std::to_string(error.byte) + ").");
   }
 }
 

@@ -216,7 +216,7 @@ Expected<Film> Film::create(const std::string& path, FilmSettings settings) {
 
 Expected<void> Film::add(const render::Picture& picture) {
   if (picture.width != settings_.width || picture.height != settings_.height)
-    return fail(ErrorCode::kBadParameter, "A frame has a different size from the film.");
+    return fail(ErrorCode::kBadParameter, "A frame does not have the same size as the film.");
   const std::size_t number = frames_++;
   if (program_) return program_->write(picture.pixels.data(), picture.pixels.size() * sizeof(render::Color));
   char name[32];
@@ -230,9 +230,9 @@ Expected<void> Film::finish() {
   std::error_code error;
   const auto bytes = std::filesystem::file_size(part_, error);
   if (error || bytes == 0)
-    return fail(ErrorCode::kNoProgram, settings_.program + " reported success but made no film of " +
-                                           std::to_string(frames_) +
-                                           (frames_ == 1 ? " picture: one is too short." : " pictures."));
+    return fail(ErrorCode::kNoProgram,
+                settings_.program + " reported success but wrote no film of " + std::to_string(frames_) +
+                    (frames_ == 1 ? " picture. One picture is too short." : " pictures."));
   std::filesystem::rename(part_, path_, error);
   if (error)
     return fail(ErrorCode::kFileAccess, "Cannot write the film " + path_ + ": " + error.message() + ".");

@@ -152,9 +152,10 @@ void Game::apply(Pending& pending) {
     if (!world_.is_whole(things_[index].id)) return;
     world_.fracture(things_[index].id, pending.decoded->fragments);
     things_[index].fragments = pending.decoded;
-    char text[64];
-    std::snprintf(text, sizeof text, ": fragments: %zu, answer after %.0f ms",
-                  world::fragments_of(*pending.decoded->fragments).fragments.size(), pending.milliseconds);
+    const std::size_t count = world::fragments_of(*pending.decoded->fragments).fragments.size();
+    char text[80];
+    std::snprintf(text, sizeof text, ": %zu fragment%s, answered after %.0f ms", count, count == 1 ? "" : "s",
+                  pending.milliseconds);
     figures_.last_break = scene_.objects[things_[index].scene_object].name + text;
     things_[index].parameters = std::move(pending.parameters);
   } else if (const auto id =
@@ -177,9 +178,10 @@ void Game::apply_hit(Pending& pending) {
     ++figures_.too_late;
     return;
   }
-  char text[64];
-  std::snprintf(text, sizeof text, ": new fragments: %zu, answer after %.0f ms",
-                pending.decoded->layers.back().fragment_of_object.size(), pending.milliseconds);
+  const std::size_t count = pending.decoded->layers.back().fragment_of_object.size();
+  char text[80];
+  std::snprintf(text, sizeof text, ": %zu new fragment%s, answered after %.0f ms", count,
+                count == 1 ? "" : "s", pending.milliseconds);
   figures_.last_break = scene_.objects[thing.scene_object].name + text;
   thing.fragments = std::move(pending.decoded);
   thing.parameters = std::move(pending.parameters);

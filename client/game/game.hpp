@@ -133,7 +133,7 @@ class Game {
     std::shared_ptr<const Decoded> decoded;
     double milliseconds = 0;     ///< from the request to the answer
     std::uint64_t asked_at = 0;  ///< step
-    bool ahead = false;          ///< requested before a hit: kept until World::expects_hit()
+    bool ahead = false;          ///< requested before a hit: waits until World::expects_hit() is true
     bool failed = false;
     bool finished() const { return failed || decoded; }
   };

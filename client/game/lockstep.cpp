@@ -33,7 +33,8 @@ Expected<json> read_lockstep_header(const std::string& line) {
   json header = json::parse(line, nullptr, false);
   const auto bad = [](const std::string& why) { return fail(ErrorCode::kBadJson, why); };
   if (!header.is_object())
-    return bad("The other player's first line is not the header of a game. Is it a fracture-client?");
+    return bad(
+        "The other player's first line is not the header of a game. Is the other program a fracture-client?");
   if (header.contains("refused") && header["refused"].is_string())
     return fail(ErrorCode::kUnavailable,
                 "The other player refused: " + printable(header["refused"].get<std::string>()));
@@ -43,8 +44,8 @@ Expected<json> read_lockstep_header(const std::string& line) {
                ", but this game has \"" + kLockstepFormat +
                "\". Both players need the same version of the program.");
   if (member("rules") != kRules)
-    return bad("The other player's game has rules " + printable(json_text(member("rules"))) +
-               ", but this game has rules " + std::to_string(kRules) +
+    return bad("The other player's game uses rules " + printable(json_text(member("rules"))) +
+               ", but this game uses rules " + std::to_string(kRules) +
                ". Both players need the same version of the program.");
   for (const char* name : {"answer_steps", "delay"})
     if (!member(name).is_number_unsigned() || member(name) < 1 || member(name) > kMostSteps)
@@ -119,7 +120,7 @@ void Lockstep::take(const std::string& line) {
     }
     RecordedEvent event = event_of(read);
     if (event.kind != RecordedEvent::Kind::kThrow && event.kind != RecordedEvent::Kind::kExplode)
-      throw std::runtime_error("players can only throw and explode");
+      throw std::runtime_error("a player can only send throws and explosions");
     if (event.step != heard_ + delay_)
       throw std::runtime_error("expected step " + std::to_string(heard_ + delay_));
     if (theirs_.size() >= kMostNotDue)

@@ -36,7 +36,7 @@ void read_line(const json& line, Recording& recording) {
     return;
   }
   if (line.at("step").get<std::uint64_t>() != recording.hashes.size())
-    throw std::runtime_error("its step is not the next step, " + std::to_string(recording.hashes.size()));
+    throw std::runtime_error("its step must be the next one, " + std::to_string(recording.hashes.size()));
   recording.hashes.push_back(hash_of(hash->get<std::string>()));
 }
 
@@ -48,7 +48,7 @@ void check_version(const json& header) {
   // Old recordings have no rules. They are played, and a step that differs is reported.
   if (const auto rules = header.find("rules"); rules != header.end() && *rules != kRules)
     throw std::runtime_error("it was recorded by another version, with rules " + rules->dump() +
-                             ", but this program has rules " + std::to_string(kRules) +
+                             ", but this program uses rules " + std::to_string(kRules) +
                              ". Play it with the version that recorded it");
 }
 
@@ -195,7 +195,8 @@ Expected<void> write_recording(const std::string& path, const Recording& recordi
   }
   add_events(recording.hashes.size());
   if (!recorder->finish())
-    return fail(ErrorCode::kFileAccess, "Cannot write the whole game to " + path + ". Is the disk full?");
+    return fail(ErrorCode::kFileAccess,
+                "Cannot finish writing the recording " + path + ". Is the disk full?");
   return {};
 }
 

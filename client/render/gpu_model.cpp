@@ -75,7 +75,7 @@ Expected<void> GpuModel::check_room(const Model& more) const {
     if (picture.width > side || picture.height > side)
       return fail(ErrorCode::kTooLarge,
                   "A texture has " + std::to_string(picture.width) + " x " + std::to_string(picture.height) +
-                      " pixels; this driver supports at most " + std::to_string(side) + ".");
+                      " pixels; this driver supports at most " + std::to_string(side) + " per side.");
   while (glGetError() != GL_NO_ERROR) {
   }
   return {};

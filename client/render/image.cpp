@@ -7,8 +7,12 @@
 #include <cerrno>
 #include <cmath>
 #include <cstring>
+#include <filesystem>
+#include <fstream>
 #include <memory>
 #include <span>
+#include <string_view>
+#include <system_error>
 
 #include "common/base/atomic_file.hpp"
 #include "common/base/srgb.hpp"
@@ -48,9 +52,35 @@ Expected<Picture> decode_picture(std::span<const std::uint8_t> bytes) {
   return picture;
 }
 
+Expected<void> may_write_png(const std::string& path) {
+  namespace fs = std::filesystem;
+  const auto cannot = [&](int why) {
+    return fail(ErrorCode::kFileAccess, "Cannot write " + path + ": " + std::strerror(why) + ".");
+  };
+  std::error_code error;
+  const fs::file_status there = fs::status(path, error);
+  if (fs::is_directory(there)) return cannot(EISDIR);
+  if (fs::exists(there)) {
+    if (!fs::is_regular_file(there))
+      return fail(ErrorCode::kBadParameter,
+                  path + " is not a regular file. Choose another path for the picture.");
+    constexpr std::string_view kSignature("\x89PNG\r\n\x1a\n", 8);
+    std::array<char, kSignature.size()> head{};
+    std::ifstream file(path, std::ios::binary);
+    file.read(head.data(), head.size());
+    if (!file.is_open() || (file.gcount() > 0 && std::string_view(head.data(), head.size()) != kSignature))
+      return fail(ErrorCode::kBadParameter,
+                  path + " exists and is not a PNG. Move it, or choose another path for the picture.");
+  }
+  AtomicFile tried;
+  if (!tried.open(path)) return cannot(errno);
+  return {};
+}
+
 Expected<void> write_png(const Picture& picture, const std::string& path) {
+  if (Expected<void> may = may_write_png(path); !may) return may;
   if (picture.width < 1 || picture.height < 1)
-    return fail(ErrorCode::kBadImage, "There is no picture to write to " + path + ".");
+    return fail(ErrorCode::kBadImage, "The picture to be written to " + path + " is empty.");
   std::vector<std::uint8_t> rgb(3 * picture.pixels.size());
   for (std::size_t k = 0; k < picture.pixels.size(); ++k)
     std::copy_n(picture.pixels[k].begin(), 3, rgb.begin() + static_cast<std::ptrdiff_t>(3 * k));

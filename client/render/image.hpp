@@ -38,7 +38,11 @@ inline constexpr int kMaxPictureSide = 16384;  ///< pixels; for decoded textures
 /// kMaxPictureSide.
 Expected<Picture> decode_picture(std::span<const std::uint8_t> bytes);
 
-/// Writes an 8-bit RGB PNG (alpha is dropped), completely or not at all. kFileAccess, kBadImage.
+/// Returns kBadParameter if the path is a device, a pipe, a socket, or a file that is not empty and not a PNG. A picture would
+/// replace it. Returns kFileAccess if the folder cannot be written to, or if the path is a folder.
+Expected<void> may_write_png(const std::string& path);
+
+/// Writes an 8-bit RGB PNG (alpha is dropped), completely or not at all. kBadImage, and the errors of may_write_png().
 Expected<void> write_png(const Picture& picture, const std::string& path);
 
 /// Copies `from` into `to` with its upper left corner at (x, y). Anything outside is cut off.

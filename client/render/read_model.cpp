@@ -1,9 +1,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <map>
+#include <system_error>
 
 #include "client/render/model.hpp"
 #include "client/render/read_materials.hpp"
@@ -223,7 +225,7 @@ class ModelReader {
       const std::vector<double> values = read_accessor(gltf_, it->second, width);
       if (values.size() != count * static_cast<std::size_t>(width))
         refuse(ErrorCode::kMalformedMesh,
-               "The attribute " + name + " does not have the same count as POSITION.");
+               "The attribute " + name + " does not have as many elements as POSITION.");
       for (std::size_t v = 0; v < count; ++v) {
         std::array<float, 4> x{0, 0, 0, 1};
         for (int c = 0; c < width; ++c) {
@@ -259,7 +261,9 @@ class ModelReader {
   void append_flat(const std::vector<std::array<std::uint32_t, 3>>& triangles, std::uint32_t base,
                    bool mirrored) {
     if (model_.vertices.size() + 3 * triangles.size() > 6 * limits_.max_triangles)
-      refuse(ErrorCode::kTooLarge, "The model has too many vertices without normals.");
+      refuse(ErrorCode::kTooLarge,
+             "The triangles without normals need too many vertices; the model can have at most " +
+                 std::to_string(6 * limits_.max_triangles) + ".");
     for (const auto& t : triangles) {
       std::array<Vertex, 3> corner;
       for (std::size_t k = 0; k < 3; ++k) corner[k] = model_.vertices[base + t[k]];
@@ -332,6 +336,8 @@ Expected<Model> read_model(std::span<const std::byte> bytes, Placed placed) {
 }
 
 Expected<Model> load_model(const std::string& path) {
+  if (std::error_code error; std::filesystem::is_directory(path, error))  // reading it throws
+    return fail(ErrorCode::kFileAccess, "Cannot read " + path + ": it is a folder.");
   std::ifstream in(path, std::ios::binary);
   std::vector<char> bytes{std::istreambuf_iterator<char>(in), {}};
   if (!in.is_open() || in.bad()) return fail(ErrorCode::kFileAccess, "Cannot read " + path + ".");

@@ -16,9 +16,12 @@ Renderer& Renderer::operator=(Renderer&&) noexcept = default;
 Renderer::~Renderer() = default;
 
 Expected<Renderer> Renderer::create() {
-  if (epoxy_gl_version() < 33 || !epoxy_is_desktop_gl())
-    return fail(ErrorCode::kNoGraphics, "The current context is not OpenGL 3.3 or later (it is " +
-                                            std::to_string(epoxy_gl_version()) + ").");
+  const int version = epoxy_gl_version();
+  if (version < 33 || !epoxy_is_desktop_gl())
+    return fail(ErrorCode::kNoGraphics,
+                std::string("The graphics context must support OpenGL 3.3, but it has OpenGL ") +
+                    (epoxy_is_desktop_gl() ? "" : "ES ") + std::to_string(version / 10) + "." +
+                    std::to_string(version % 10) + ".");
   Renderer renderer;
   const auto build = [&](Program& program, const char* name, ShaderParts vertex,
                          ShaderParts fragment) -> Expected<void> {

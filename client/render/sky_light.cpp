@@ -57,7 +57,7 @@ Expected<SkyLight> SkyLight::create() {
   glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_CUBE_MAP_POSITIVE_X,
                          light.blurred_.get(), 0);
   if (glCheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
-    return fail(ErrorCode::kGraphicsDriver, "The driver refuses a texture for the mirrored sky.");
+    return fail(ErrorCode::kGraphicsDriver, "The driver refuses a texture for the reflected sky.");
   return light;
 }
 

@@ -84,8 +84,8 @@ std::vector<Mode> modes_of(const SoundMaterial& material, double mass, const glm
     for (int n = 1; n <= kMostWaves; ++n) {
       const double waves = m * m / (length * length) + n * n / (width * width);  // 1/m²
       const double bending = stiffness * waves;
-      // Short waves of a thick plate are shear waves (Mindlin, 1951). The formula approaches the slower of
-      // the two, and blends them in between.
+      // Short waves of a thick plate are shear waves (Mindlin, 1951). The formula approaches the slower
+      // of bending and shear waves, and blends the two in between.
       const double shearing = 0.5 * shear * std::sqrt(waves);
       const double frequency = 1 / (1 / bending + 1 / shearing);
       if (frequency < kLowest || frequency > kHighest) continue;

@@ -39,7 +39,8 @@ Expected<WavFile> WavFile::create(const std::string& path) {
   const std::filesystem::file_status status = std::filesystem::status(path, error);
   if (std::filesystem::is_fifo(status) || std::filesystem::is_socket(status))
     return fail(ErrorCode::kFileAccess,
-                "Cannot write " + path + ": it is a pipe, but the header of a WAV file is written last.");
+                "Cannot write " + path +
+                    ". It is a pipe, but the header of a WAV file is written last. Specify a file.");
   std::ofstream out(path, std::ios::binary);
   out << header(0);
   if (!out.flush()) return fail(ErrorCode::kFileAccess, "Cannot write " + path + ".");

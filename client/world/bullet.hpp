@@ -10,7 +10,7 @@
 
 // In single precision, touching pieces would jitter and creep at ten metres from the origin.
 #ifndef BT_USE_DOUBLE_PRECISION
-#error "Bullet has to be the one in double precision (pkg-config bullet-float64)"
+#error "Bullet must be built in double precision (pkg-config bullet-float64)"
 #endif
 
 namespace fracture::world {

@@ -126,7 +126,7 @@ class FragmentReader {
       for (const std::uint64_t id : *list) index_of(id);
     if (change.added.size() + change.changed.size() != set_.fragments.size())
       malformed("The answer to a hit has " + std::to_string(set_.fragments.size()) + " fragments but lists " +
-                std::to_string(change.added.size() + change.changed.size()) + ".");
+                std::to_string(change.added.size() + change.changed.size()) + " as new or changed.");
     read_bonds(member(root, "bonds", "extras.fracture"), root_, change.bonds, change.ends);
     change.fragments = std::move(set_.fragments);
     return change;

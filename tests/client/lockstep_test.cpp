@@ -192,7 +192,7 @@ TEST_F(Lockstepped, LinesThatCannotBeUsedEndTheGameInWords) {
            {R"({"step": 13, "throw": [[0, 1, 2], [0, 0, 0]]})", "expected step 12"},
            {R"({"step": 1, "hash": "00"})", "expected step 0"},
            {R"({"step": 0, "hash": "no"})", "hexadecimal"},
-           {R"({"step": 12, "adopt": 1})", "players can only throw and explode"},
+           {R"({"step": 12, "adopt": 1})", "a player can only send throws and explosions"},
            {R"({"step": 12, "explode": [0, 1, 2], "impulse": -1, "radius": 1})",
             "impulse must be more than 0"},
            {std::string(70'000, 'x'), "more than 65536 bytes"}}) {

@@ -1,11 +1,14 @@
 // Pictures in memory and on disk.
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <random>
 
 #include "client/render/image.hpp"
+#include "client/render/model.hpp"
 #include "client/render/text.hpp"
 #include "tests/server/support/temporary_folder.hpp"
 
@@ -40,6 +43,24 @@ TEST(Png, ErrorsAreTyped) {
   const auto unwritable = write_png(Picture(4, 4), folder / "no/such/folder.png");
   ASSERT_FALSE(unwritable);
   EXPECT_EQ(unwritable.error().code, ErrorCode::kFileAccess);
+  const auto on_a_folder = write_png(Picture(4, 4), folder.path);
+  ASSERT_FALSE(on_a_folder);
+  EXPECT_EQ(on_a_folder.error().code, ErrorCode::kFileAccess);
+  std::ofstream(folder / "mesh.glb") << "glTF";
+  ASSERT_EQ(::mkfifo((folder / "pipe").c_str(), 0600), 0);
+  for (const char* name : {"mesh.glb", "pipe"}) {
+    const auto refused = write_png(Picture(4, 4), folder / name);
+    ASSERT_FALSE(refused) << name << " would be replaced";
+    EXPECT_EQ(refused.error().code, ErrorCode::kBadParameter);
+  }
+  EXPECT_EQ(bytes_of(folder / "mesh.glb").size(), 4u);
+  EXPECT_FALSE(std::filesystem::exists(folder / ".mesh.glb.part"));
+  std::ofstream(folder / "new") << "";
+  for (const char* name : {"new", "new"})  // an empty file, then a picture
+    EXPECT_TRUE(write_png(Picture(4, 4), folder / name));
+  const auto a_folder = render::load_model(folder.path);
+  ASSERT_FALSE(a_folder);
+  EXPECT_EQ(a_folder.error().code, ErrorCode::kFileAccess);
   ASSERT_TRUE(write_png(Picture(64, 64), folder / "a.png"));
   std::vector<std::uint8_t> bytes = bytes_of(folder / "a.png");
   bytes.resize(bytes.size() / 2);

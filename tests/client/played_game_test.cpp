@@ -69,7 +69,7 @@ TEST_F(PlayedGames, ToolsActOnTheGame) {
   EXPECT_LT(game_->now()->moment->balls[0].radius, game_->now()->moment->balls[1].radius);
   game_->use(Tool::kExplosion, {0, 5, 8}, {0, 1, 0});
   play_until("the note of an explosion in the sky",
-             [&] { return was_said("there is nothing to explode at this place"); });
+             [&] { return was_said("there is nothing here to explode"); });
 }
 
 TEST_F(PlayedGames, GoBackAndOnFromThere) {

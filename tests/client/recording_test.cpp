@@ -69,7 +69,8 @@ TEST_F(Recordings, WhatIsNoRecordingIsRefusedWithItsLine) {
   EXPECT_NE(detail(header + "\n{\"step\": 0, \"hash\": \"xyz\"}\n").find("hexadecimal"), std::string::npos);
   EXPECT_NE(detail(header + "\n{\"step\": 0, \"throw\": [[1, 2], [0, 0, 0]]}\n").find("line 2"),
             std::string::npos);
-  EXPECT_NE(detail(header + "\n{\"step\": 1, \"hash\": \"00\"}\n").find("not the next"), std::string::npos);
+  EXPECT_NE(detail(header + "\n{\"step\": 1, \"hash\": \"00\"}\n").find("must be the next one"),
+            std::string::npos);
   EXPECT_NE(detail(header + "\n{\"step\": 0, \"ha\n{\"step\": 0, \"hash\": \"00\"}\n").find("line 2"),
             std::string::npos);
   EXPECT_NE(detail(header.substr(0, 9)).find("line 1"), std::string::npos);

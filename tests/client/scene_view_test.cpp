@@ -249,7 +249,8 @@ std::size_t gl_objects() {
 TEST_F(SceneViewTest, BreaksAndResetsLeaveNothingBehind) {
   constexpr int kWarm = 20;  // cycles until caches are full
   constexpr int kSteps = 2'000;
-  constexpr std::ptrdiff_t kScene = 2'000'000;  // bytes that a cycle uses at least in this process
+  constexpr std::ptrdiff_t kScene =
+      2'000'000;  // the minimum number of bytes that a cycle uses in this process
   const int cycles = std::getenv("FRACTURE_TEST_FULL") != nullptr ? 200 : 60;
   game::GameSettings settings;
   settings.fixed_latency = 2;
