@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Hits, regions to keep and to hold, and paint: what is requested, and that it takes effect where the empties are."""
+"""Tests that hits, regions to keep, regions to hold, and paint are requested correctly and take effect where the empties are."""
 import json
 import math
 import pathlib

@@ -118,7 +118,7 @@ describe('a selected fragment', { skip, timeout: 300_000 }, () => {
       const fragment = s.shown.answer.fragment([...s.look.chosen][0]);
       return { volume: fragment.volume, translation: fragment.translation, hulls: fragment.hulls.length, name: fragment.name };
     });
-    const { name, bytes } = await download(page, () => page.getByRole('button', { name: 'Save alone' }).click()), glb = new Glb(bytes);
+    const { name, bytes } = await download(page, () => page.getByRole('button', { name: 'Save selected' }).click()), glb = new Glb(bytes);
     assert.equal(name, `cube_fragments_${expected.name}.glb`);
     const nodes = glb.json.nodes.filter(each => each.extras?.fracture?.id !== undefined), { volume, open } = measured(glb, nodes[0]);
     assert.deepEqual(nodes.map(each => [each.extras.fracture.id, each.translation]), [[id, expected.translation]]);

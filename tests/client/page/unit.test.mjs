@@ -133,14 +133,14 @@ describe('what an answer says about itself', () => {
     for (const same of [{ asked: 40, made: 40 }, { asked: 40, made: 40, hits: [hit] }, { asked: 0, made: 105 }, { made: 105 }]) assert.equal(countRemark(shown(same)), undefined);
   });
   test('MoreAreOfTheHits', () => {
-    assert.equal(countRemark(shown({ asked: 40, made: 108, hits: [hit, hit] })), '40 requested, 108 made: the pieces that 2 hits broke off are additional.');
-    assert.match(countRemark(shown({ asked: 40, made: 52, hits: [hit] })), /: the pieces that the hit broke off/);
+    assert.equal(countRemark(shown({ asked: 40, made: 108, hits: [hit, hit] })), '40 requested, 108 made: 2 hits broke off additional pieces.');
+    assert.match(countRemark(shown({ asked: 40, made: 52, hits: [hit] })), /: the hit broke off additional pieces/);
     assert.equal(countRemark(shown({ asked: 40, made: 35, hits: [hit] })), '40 requested, 35 made.', 'fewer are not');
   });
   test('FarOffTheFiguresSayWhy', () => {
     const parts = number => ({ size: { parts: number, united: 3 } });
     assert.equal(countRemark(shown({ asked: 1200, made: 1900, report: parts(1900) })), '1,200 requested, 1,900 made: the mesh has 1,900 separate parts, and each becomes at least one fragment.');
-    assert.match(countRemark(shown({ asked: 40, made: 60, report: parts(2) })), /: the others touch no fragment/);
+    assert.match(countRemark(shown({ asked: 40, made: 60, report: parts(2) })), /: the extra fragments touch no fragment/);
     assert.match(countRemark(shown({ asked: 40, made: 30, report: parts(1) })), /: the pattern and the size limits/);
     assert.match(countRemark(shown({ asked: 40, made: 30, report: parts(1), certificate: { united: 4 } })), /: the surface crosses itself/);
     assert.match(countRemark(shown({ asked: 60, made: 50, report: parts(1), parameters: { max_fragments: 50 } })), /: the maximum number of fragments is lower/);

@@ -139,7 +139,7 @@ class Real(Programs, WithServer):
                 done = self.run_program(["sh", "-c", f'"$@" {redirection}', "sh", sys.executable, "-m", "fracture_client", self.server.url,
                                          str(self.mesh), str(self.out), "--quiet", "sites=7"])
                 self.assertEqual((done.returncode, done.stderr),
-                                 (command.UNREACHABLE, f"fracture_client: cannot write standard output: {reason}\n"))
+                                 (command.UNREACHABLE, f"fracture_client: cannot write to standard output: {reason}\n"))
                 self.assertEqual(len(Answer.load(self.out).fragments), 7)
 
     def test_values_are_those_of_a_query(self):

@@ -98,7 +98,7 @@ test('a proxy\'s page is an error, too', async t => {
   const server = await fake(t, () => answer(502, '<html>Bad gateway</html>'));
   const error = await refusal(unknown(server).fracture());
   assert.deepEqual([error.type, error.problem, error.status, error.document], ['about:blank', 'unknown', 502, undefined]);
-  assert.match(error.detail, /^The response is HTTP 502 without the problem document/);
+  assert.match(error.detail, /^The response \(HTTP 502\) has no problem document/);
 });
 
 test('a busy server is asked again after its Retry-After', async t => {
