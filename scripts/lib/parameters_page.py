@@ -173,15 +173,15 @@ def costs(patterns):
     def of(*requests):
         return "; ".join(f"{COSTS[request]:g}" for request in requests)
     yield from wrapped(
-        "Processor instructions per answer, relative to `pattern=uniform` with 50 sites on a mesh of 4,000 triangles. A hit with `delta` costs "
-        "less.")
+        "Costs are processor instructions per answer, relative to `pattern=uniform` with 50 sites on a mesh of 4,000 triangles. A hit with "
+        "`delta` costs less.")
     yield ""
     yield "| request | cost |"
     yield "|---|---|"
     yield "| `pattern` | " + by_cost({name: COSTS[f"pattern={name}"] for name in (entry["name"] for entry in patterns["patterns"])}) + " |"
     yield f"| `brick` on a wall, six bricks per piece | {COST_ON_A_WALL} |"
     yield "| `material` (no walls) | " + by_cost({entry["name"]: entry["cost"] for entry in patterns["materials"]}) + " |"
-    yield f"| walls, only when a mesh is prepared | {of('shell_fraction=0.05')} |"
+    yield f"| walls, only in the first answer for a mesh | {of('shell_fraction=0.05')} |"
     yield f"| 500 sites; 5,000 sites | {of('sites=500', 'sites=5000')} |"
     yield f"| `rough_amplitude=0.05` | {of('rough_amplitude=0.05')} |"
     yield f"| `cells_per_fragment=6` with flat cuts | {of('cells_per_fragment=6')} |"
@@ -191,7 +191,7 @@ def costs(patterns):
 
 def pattern_rows(patterns):
     general = {p["name"] for entry in patterns if entry["name"] == "uniform" for p in entry["parameters"]}
-    yield "| | `pattern` | sites | its own parameters |"
+    yield "| | `pattern` | sites | own parameters |"
     yield "|---|---|---|---|"
     for entry in patterns:
         name = entry["name"]
@@ -244,19 +244,19 @@ def parameters_page(limits, patterns):
     yield from head("Parameters")
     yield from wrapped(
         "This page is for people who choose parameters. Pass them in the query (`?fragments=80&seed=7`), in a form, in JSON "
-        "(`{\"fragments\": 80, \"seed\": 7}`), or as flags of `fracture-server bake` (`--fragments 80`). Lengths are in metres, and y is up. A "
-        "server refuses unknown and repeated parameters, and parameters of another pattern. [openapi.yaml](openapi.yaml) has more details. "
+        "(`{\"fragments\": 80, \"seed\": 7}`), or as flags of `fracture-server bake` (`--fragments 80`). Lengths are in metres, and y is up. The "
+        "server refuses unknown and repeated parameters, and those of another pattern. [openapi.yaml](openapi.yaml) has more details. "
         "Programs get this information from `GET /limits` and `GET /patterns`. See also [Requests and answers](interface.md).")
     yield ""
     yield from wrapped(
-        "A vector or a list is `x,y,z`. Several vectors, or the rows of a matrix, are `x,y,z;x,y,z`. In JSON, they are arrays. A colour is "
-        "`#rrggbb` (in a query `%23rrggbb`).")
+        "Write a vector or a list as `x,y,z`, and several vectors or the rows of a matrix as `x,y,z;x,y,z`. In JSON, use arrays. Write a "
+        "colour as `#rrggbb` (`%23rrggbb` in a query).")
     yield ""
     yield "## Choose parameters"
     yield ""
     yield from wrapped("Start with " + ", ".join(f"[`{name}`](#{name})" for name in FIRST[:-1]) + f" and [`{FIRST[-1]}`](#{FIRST[-1]}). "
-                       "No parameter selects an older algorithm version "
-                       "([keep one](guides/upgrade-one-server.md#keep-the-old-algorithm-version)).")
+                       "For an older algorithm "
+                       "version, keep [the old program](guides/upgrade-one-server.md#keep-the-old-algorithm-version).")
     yield ""
     yield "## Cost"
     yield ""
@@ -285,7 +285,7 @@ def materials_page(patterns):
     yield "## Values of each material"
     yield ""
     yield from material_values(patterns["materials"])
-    yield from wrapped("`GET /patterns` also states their sources (`source`), and the literature on how each material breaks (`mechanics`).")
+    yield from wrapped("`GET /patterns` also gives the sources of these values (`source`), and literature on how each material breaks (`mechanics`).")
     yield ""
 
 
