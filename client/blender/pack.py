@@ -26,7 +26,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("output", nargs="?", type=pathlib.Path, default=pathlib.Path("fracture_blender.zip"),
                         help="the zip to write (default: fracture_blender.zip)")
-    parser.add_argument("--describe", metavar="PROGRAM_OR_URL", help="program or server whose parameters are packed into the zip")
+    parser.add_argument("--describe", metavar="PROGRAM_OR_URL", help="program or server whose list of parameters is packed into the zip")
     options = parser.parse_args()
     files = {f"fracture_blender/{path.name}": path.read_bytes() for path in (*ADDON.glob("*.py"), *ADDON.glob("*.toml"))}
     for path in (*PACKAGE.glob("*.py"), PACKAGE / "py.typed"):
@@ -43,7 +43,7 @@ def main():
 
 
 def described(program_or_url):
-    """Returns the description in the add-on's own format. Loads only those modules of the add-on that do not need Blender."""
+    """Returns the description in the add-on's own format. Loads only the modules that do not need Blender."""
     sys.dont_write_bytecode = True
     sys.path.insert(0, str(PACKAGE.parent))
     package = types.ModuleType("fracture_blender")

@@ -23,11 +23,11 @@ REFUSED_LINE = re.compile(r"fracture-server bake: Line \d+ of '[^\n]*?': (.*)", 
 
 @dataclass(frozen=True)
 class Target:
-    """The program or server in use: `program` if it is not empty, else the server at `url`."""
+    """The program or server in use: `program`, or the server at `url` if `program` is empty."""
     url: str = ""
     token: str = ""
     program: str = ""
-    timeout: float = 300.0  # s; longest time that a server may be absent or busy
+    timeout: float = 300.0  # s; longest time that a server may be unreachable or busy
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,7 @@ class Request:
 
 @dataclass(frozen=True)
 class State:
-    """The progress: words for users, and a percentage."""
+    """The progress, as a text for users and a percentage."""
     words: str
     percent: int
 

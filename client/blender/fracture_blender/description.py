@@ -35,7 +35,7 @@ class Description:
         self.source = str(document.get("source", ""))
 
     def of_pattern(self, pattern):
-        """Returns the names of a pattern's parameters. Other patterns may have some of these parameters, too."""
+        """Returns the names of a pattern's parameters. Other patterns may share some of them."""
         return [entry["name"] for entry in self.patterns.get(pattern, {}).get("parameters", ())]
 
     def of_any_pattern(self):
@@ -43,13 +43,13 @@ class Description:
         return {name for pattern in self.patterns for name in self.of_pattern(pattern)}
 
     def pattern_of(self, given):
-        """Returns the pattern that a request uses: the request's own, else its material's, else the default."""
+        """Returns the pattern that a request uses: the request's own, otherwise the material's, otherwise the default."""
         preset = self.materials.get(given.get("material"), {}).get("parameters", {})
         default = self.parameters.get("pattern", {}).get("default")
         return given.get("pattern") or preset.get("pattern") or default
 
     def usual(self, name, given):
-        """Returns the value that applies if the parameter `name` is not sent: the material's value, else the default, else None."""
+        """Returns the value that the parameter `name` has when it is not sent: the material's value or the default. None if both are missing."""
         preset = self.materials.get(given.get("material"), {}).get("parameters", {})
         return preset.get(name, self.parameters.get(name, {}).get("default"))
 
@@ -65,14 +65,14 @@ def of_server(client, cancel=None):
 
 
 def of_program(program):
-    """Returns the description from the program `fracture-server`, which is started on a free port. Raises FractureError."""
+    """Starts the program `fracture-server` on a free port and returns its description. Raises FractureError."""
     with serving(program) as url, Client(url, timeout=ASK_SECONDS) as client:
         return of_server(client)
 
 
 @contextlib.contextmanager
 def serving(program):
-    """Starts a server on this machine, yields the address, and stops the server at the end. Raises FractureError."""
+    """Starts a server on this machine, yields its address, and stops it at the end. Raises FractureError."""
     command = [program, "serve", "--port", "0", "--admin-port", "0", "--threads", "1", "--drain-delay", "0", "--log-format", "text"]
     try:
         process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
@@ -111,7 +111,7 @@ def serving(program):
 
 
 def load(folders):
-    """Returns the stored description from the first folder that contains a readable one; None if there is none."""
+    """Returns the stored description from the first folder that contains a readable one; None if no folder does."""
     for folder in folders:
         try:
             return Description(json.loads((pathlib.Path(folder) / FILE).read_text(encoding="utf-8")))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Turns an answer into objects: a collection with one object per fragment, and collections for the clusters of levels."""
+"""Turns an answer into a collection with one object per fragment. With levels, each cluster becomes a collection, too."""
 import json
 from array import array
 
@@ -115,7 +115,7 @@ def _mesh(name, primitives, frame, materials, written):
 
 
 def _shade(mesh, normals):
-    """Sets the file's normals, so that the outside is shaded as before and cut faces have hard edges."""
+    """Applies the normals from the file, so that the outside is shaded as before and cut faces have hard edges."""
     mesh.polygons.foreach_set("use_smooth", [True] * len(mesh.polygons))
     mesh.normals_split_custom_set([(x, 0.0 - z, y) for x, y, z in zip(normals[0::3], normals[1::3], normals[2::3])])
     if hasattr(mesh, "use_auto_smooth"):  # until 4.0

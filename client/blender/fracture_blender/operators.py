@@ -8,7 +8,7 @@ from .package import FractureError
 LOOK = 0.1  # s between two polls of the thread
 # Events that are allowed while the operator works. Other events could change the scene to which the answer belongs.
 PASSED = {"MIDDLEMOUSE", "WHEELUPMOUSE", "WHEELDOWNMOUSE", "TRACKPADPAN", "TRACKPADZOOM", "MOUSEMOVE", "TIMER"}
-MOST_SENTENCES = 5  # maximum number of warnings shown, of notes, and of dropped things
+MOST_SENTENCES = 5  # maximum number of warnings shown, of notes, and of dropped items
 
 
 def counted(count, thing):
@@ -29,7 +29,7 @@ class OBJECT_OT_fracture_exact(bpy.types.Operator):
         return cls.current is None and context.mode == "OBJECT"
 
     def execute(self, context):
-        """Waits for the result. Scripts call this, and so does Blender when it runs without a window."""
+        """Waits for the result. Scripts call this, and so does Blender when it has no window."""
         try:
             work = run.begin(context)
         except FractureError as error:
@@ -64,7 +64,7 @@ class OBJECT_OT_fracture_exact(bpy.types.Operator):
         return {"PASS_THROUGH"} if event.type in PASSED else {"RUNNING_MODAL"}
 
     def cancel(self, context):
-        """Stops the work. Blender calls this if the file is closed or another file is opened."""
+        """Stops the work. Blender calls this when the file is closed or another file is opened."""
         self._work.asking.cancel()
         self._end(context)
 

@@ -19,5 +19,5 @@ __all__ = ["Answer", "Cancel", "Client", "FractureError", "client", "glb", "wron
 
 
 def wrong(detail, parameter=""):
-    """Returns a FractureError about the scene or its settings, so that Blender shows it like an error from the server."""
+    """Returns a FractureError about the scene or its settings, so Blender shows it like an error from the server."""
     return FractureError("bad-parameter", detail, title="", parameter=parameter)

@@ -79,7 +79,7 @@ class FRACTURE_PT_slots(Below, bpy.types.Panel):
         materials = {slot.material.name: slot.material for item in context.selected_objects for slot in item.material_slots
                      if slot.material is not None}
         if not materials or not hasattr(bpy.types.Material, "fracture_material"):
-            layout.label(text="The selected objects have no materials." if not materials else "The server is too old.", icon="INFO")
+            layout.label(text="The selected objects have no materials." if not materials else "The server does not support slots.", icon="INFO")
             return
         for name in sorted(materials):
             layout.prop(materials[name], "fracture_material", text=name)

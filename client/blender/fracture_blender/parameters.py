@@ -20,9 +20,9 @@ OWN = {
     "up": "z up is converted to y up before sending",
     "pivot": "the origin of each fragment is its centre of mass",
     "intact": "the unbroken mesh is in the scene already",
-    "of": "each request is complete, so it does not refer to an earlier answer",
+    "of": "each request is complete and refers to no earlier answer",
     "delta": "the add-on needs all fragments",
-    "local_new": "this parameter has a meaning only with delta",
+    "local_new": "this parameter is used only with delta",
 }
 
 
@@ -107,7 +107,7 @@ class Parameter:
 
 
 def sendable(description):
-    """Returns the parameters that become properties of the scene, by name."""
+    """Returns a dictionary, by name, of the parameters that become properties of the scene."""
     return {name: Parameter(entry) for name, entry in description.parameters.items() if name not in OWN}
 
 

@@ -9,7 +9,7 @@ from .package import wrong
 
 
 def places(context, description, given):
-    """Returns the parameters that the scene's settings add to those in the panel. Raises FractureError of type "bad-parameter" if
+    """Returns the parameters that result from the scene's settings for hits and regions. Raises FractureError of type "bad-parameter" if
     the settings use selected empties and none is selected."""
     scene = context.scene
     settings, frame = scene.fracture_settings, Frame.of(scene)

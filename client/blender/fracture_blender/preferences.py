@@ -21,7 +21,7 @@ class FracturePreferences(bpy.types.AddonPreferences):
     __annotations__ = {
         "ask": EnumProperty(name="Use", default="SERVER", items=[
             ("SERVER", "A server", "A fracture server on this or another machine"),
-            ("PROGRAM", "A program", "The program fracture-server on this machine, which is started for each fracture")]),
+            ("PROGRAM", "A program", "The program fracture-server, which is started on this machine for each fracture")]),
         "url": StringProperty(name="Server", default="http://127.0.0.1:8080",
                               description="Server address: http://host:port or https://host:port"),
         "token": StringProperty(name="Token", subtype="PASSWORD", options={"SKIP_SAVE"},
@@ -30,7 +30,7 @@ class FracturePreferences(bpy.types.AddonPreferences):
         "program": StringProperty(name="Program", subtype="FILE_PATH", default="fracture-server",
                                   description="The program fracture-server: its path, or its name if it is on the PATH"),
         "timeout": FloatProperty(name="Timeout", default=300.0, min=1.0, soft_max=3600.0, precision=0,
-                                 description="How many seconds a server may be absent or busy before the fracture fails"),
+                                 description="How many seconds a server may be unreachable or busy before the fracture fails"),
     }
 
     def draw(self, context):
@@ -74,7 +74,7 @@ def ask_description(context):
 
 
 def kept_description():
-    """Returns the stored description, else the description in the packed add-on, else None."""
+    """Returns the stored description, or the description in the packed add-on if none is stored. None if both are missing."""
     return description.load((_folder(create=False), pathlib.Path(__file__).parent))
 
 

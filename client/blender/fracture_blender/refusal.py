@@ -41,16 +41,15 @@ def show_place(context, error, names):
 
 
 def _points(problem):
-    """Returns the points in a problem document: its `edge`, else its `sample`."""
+    """Returns the points in a problem document: its `edge`, or its `sample` if it has no edge."""
     edge, sample = problem.get("edge"), problem.get("sample")
     points = edge if isinstance(edge, list) else [sample]
     return [point for point in points if isinstance(point, list) and len(point) == 3]
 
 
 def _select(context, item, places):
-    """Selects all edges that do not have exactly two faces, in edit mode. If none of these edges has its ends at
-    `places` (or one end, if there is only one place), nothing is selected. Without places, any such edge will do. Returns whether
-    edges were selected."""
+    """Selects, in edit mode, all edges that do not have exactly two faces. With `places`, one of these edges must have an end at each
+    place; otherwise, nothing is selected. Returns whether edges were selected."""
     near = NEAR * max(*item.dimensions, 1e-9)
     world = item.matrix_world
     mesh = bmesh.new()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Materials by slot: parts whose surface has a Blender material can break like another material of the server (parameter `assign`)."""
+"""Materials by slot: a Blender material can make its parts break like one of the server's materials (parameter `assign`)."""
 import json
 
 import bpy
@@ -12,16 +12,16 @@ OBJECT = "NONE"  # these parts break like the object
 
 
 def use():
-    """Adds the choice to Blender's materials, with the materials of the current description. Materials keep their values."""
+    """Adds the property 'Breaks as' to Blender's materials. It lists the materials of the current description. Existing values are kept."""
     forget()
     if Known.description is None or "assign" not in Known.parameters:
         return
-    items = [(OBJECT, "As the object", "These parts break like the object", "NONE", 0)]
+    items = [(OBJECT, "Like the object", "These parts break like the rest of the object", "NONE", 0)]
     items += [(name, name.replace("_", " ").capitalize(), entry.get("description", "").rstrip("."), "NONE", properties.item_number(name))
               for name, entry in Known.description.materials.items()]
     bpy.types.Material.fracture_material = EnumProperty(
         name="Breaks as", items=items, default=OBJECT,
-        description="How parts break if this material is on most of their surface")
+        description="How parts break if this material covers most of their surface")
 
 
 def forget():
@@ -48,7 +48,7 @@ def entries_of(text):
     for one in filter(None, (part.strip() for part in text.split(";"))):
         selector, colon, material = one.rpartition(":")
         if not colon or not selector or not material:
-            raise ValueError(f"'{one}' is not selector:material, such as Wall_*:brick.")
+            raise ValueError(f"'{one}' must have the form selector:material, such as Wall_*:brick.")
         kind, equals, name = selector.partition("=")
         if not equals or kind not in ("node", "slot", "part"):
             kind, name = "node", selector

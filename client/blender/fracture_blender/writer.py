@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Writes objects to the GLB that is sent.
 
-Blender's own exporter is not used for four reasons. It needs numpy, which some Blender packages lack. Its bytes change between
+There are four reasons not to use Blender's own exporter. It needs numpy, which some Blender packages lack. Its bytes change between
 releases, so a mesh that the server already has would be sent again. It ignores a scene's unit scale. It changes materials, but
 fragments need the object's own materials. This writer keeps vertices unchanged in single precision and puts the whole transform into the
 node, so nothing is rounded.
@@ -19,7 +19,7 @@ PAINT = "COLOR_0"  # the attribute that density_from refers to
 
 
 class Written:
-    """A written file, with the names of the objects, materials and layers that the fragments need."""
+    """A written file, and the names of objects, materials and layers that are needed to create the fragments."""
 
     def __init__(self, content, objects, materials, uv_names, color_names):
         self.glb = content

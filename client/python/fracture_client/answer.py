@@ -1,4 +1,4 @@
-"""The fragments that the server returns, with calls to save them or hit them again."""
+"""The fragments that the server returns, with methods to save them or hit them again."""
 from __future__ import annotations
 
 import contextlib
@@ -63,18 +63,18 @@ class Answer:
 
     @property
     def report(self) -> Dict[str, Any]:
-        """The report: the mesh repairs, the fragment sizes, the warnings, the notes and what was dropped."""
+        """The report: mesh repairs, fragment sizes, warnings, notes, and a list of dropped items."""
         return self._figures.get("report", {})
 
     @property
     def warnings(self) -> List[str]:
-        """Sentences in the report that you should act on: what happened, how it affects the result, and what to do. [] if there are none."""
+        """The report's warnings. Each says what happened, how it affects the result, and what to do. [] if there are none."""
         return list(self.report.get("warnings", []))
 
     @property
     def notes(self) -> List[str]:
-        """Sentences in the report about what was done. They need no action. [] if there are none. Servers with algorithm 22 or older
-        put notes among the warnings."""
+        """The report's notes about what the server did. They need no action. [] if there are none. Servers with algorithm 22 or
+        older put notes among the warnings."""
         return list(self.report.get("notes", []))
 
     @property
@@ -84,7 +84,7 @@ class Answer:
 
     @property
     def choices(self) -> List[Choice]:
-        """Changes that the server offers and did not make: another unit, walls for a room, … [] if there are none."""
+        """Changes that the server offers but did not make: another unit, walls for a room, … [] if there are none."""
         return read_choices(self.report)
 
     @property
@@ -94,8 +94,8 @@ class Answer:
 
     @property
     def offset(self) -> Vector:
-        """The place of the root node (m): a place in the file is this plus a place in the answer. (0, 0, 0) unless the mesh is far from
-        its origin."""
+        """The position of the root node (m). To get a position in the mesh's file, add this to a position in the answer. (0, 0, 0) unless
+        the mesh is far from its origin."""
         return root_offset(self._file)
 
     @property
@@ -114,12 +114,12 @@ class Answer:
 
     @property
     def levels(self) -> List[Dict[str, Any]]:
-        """The hierarchy above the fragments as the server writes it, coarsest level first. [] if the request had no `levels`."""
+        """The levels of the hierarchy, coarsest first, as the server writes them. [] if the request had no `levels`."""
         return list(self._figures.get("levels", []))
 
     @property
     def delta(self) -> Optional[Delta]:
-        """The changes made by the last hit. None if there was no hit, or if the hit had delta="none"."""
+        """The changes made by the last hit. None without a hit, or after a hit with delta="none"."""
         said = self._figures.get("delta")
         return None if said is None else Delta(*(tuple(said[key]) for key in ("new", "changed", "gone")))
 
@@ -141,7 +141,7 @@ class Answer:
 
     @property
     def timing(self) -> Dict[str, float]:
-        """Milliseconds that the server needed for each step, by name (Server-Timing). Unreadable entries are omitted."""
+        """The time in milliseconds for each step on the server, by name (Server-Timing). Unreadable entries are omitted."""
         times: Dict[str, float] = {}
         for entry in self._headers.get("server-timing", "").split(","):
             name, *parameters = (part.strip() for part in entry.split(";"))
@@ -270,7 +270,7 @@ def kind_of_file(path: pathlib.Path) -> str:
 
 
 def write_whole(path: pathlib.Path, content: bytes) -> None:
-    """Writes a temporary file in the same folder and renames it, so that no program reads an incomplete file. Raises OSError."""
+    """Writes a temporary file in the same folder and renames it, so no program reads an incomplete file. Raises OSError."""
     beside = path.with_name(f"{path.name}.{secrets.token_hex(4)}.tmp")
     try:
         with open(beside, "xb") as file:

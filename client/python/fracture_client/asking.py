@@ -97,8 +97,8 @@ def refusal(response: Response, request: Request) -> FractureError:
     said = re.sub(r"<[^>]*>", " ", response.body[:2000].decode("utf-8", "replace"))  # proxies send HTML pages
     said = " ".join(said.split())[:200]
     where = response.headers.get("location")
-    detail = (f"{request.what}: the response is HTTP {response.status} without the problem document of a fracture server. "
-              "Check the address: a proxy or another server may answer there.")
+    detail = (f"{request.what}: the response (HTTP {response.status}) has no problem document from a fracture server. "
+              "Check the address: a proxy or another server may be answering there.")
     if where:
         detail += f" It redirects to {where}."
     elif said:
@@ -108,7 +108,7 @@ def refusal(response: Response, request: Request) -> FractureError:
 
 
 def retry_after(response: Response) -> Optional[float]:
-    """Returns the seconds in Retry-After (RFC 9110, section 10.2.3); None if it is a date, not a number, or more than a day."""
+    """Returns the seconds in Retry-After (RFC 9110, section 10.2.3); None if it is not a number (a date, for example) or exceeds a day."""
     text = response.headers.get("retry-after", "").strip()
     if not re.fullmatch(r"[0-9]{1,9}", text) or int(text) > LONGEST_RETRY_AFTER:
         return None
@@ -116,7 +116,7 @@ def retry_after(response: Response) -> Optional[float]:
 
 
 def digest_matches(field: str, content: bytes) -> bool:
-    """Returns whether a Repr-Digest (RFC 9530) contains the SHA-256 of this content. False for a field without sha-256."""
+    """Returns whether a Repr-Digest field (RFC 9530) contains the SHA-256 of this content. False if it has no sha-256."""
     for entry in field.split(","):
         entry = entry.strip()
         if entry.startswith("sha-256="):

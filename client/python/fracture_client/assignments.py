@@ -1,4 +1,4 @@
-"""Entries of the parameter `assign`: materials for single parts of a mesh."""
+"""Entries of the parameter `assign`, which sets the materials of individual parts of a mesh."""
 from __future__ import annotations
 
 from typing import Any, Dict, Optional, Sequence, Union
@@ -13,7 +13,7 @@ def assignment(material: Optional[str] = None, *, node: Union[str, Sequence[str]
                       assign=[assignment("glass", node="Window*"), assignment("wood", slot=["Oak", "Pine*"], stretch=6)])
 
     `node`: names or indices of nodes, or patterns such as Wall_*; a node includes all nodes below it. `slot`: names or indices of the
-    mesh's materials, or patterns; the material on most of a part's surface counts. `part`: numbers of parts, as in Fragment.part. If
+    mesh's materials, or patterns; the material that covers most of a part's surface counts. `part`: numbers of parts, as in Fragment.part. If
     several are given, all must match. `parameters`: those that a material sets; GET /limits marks them as `assignable`. The first
     entry that matches a part applies. Parts without an entry use the parameters of the request.
     """

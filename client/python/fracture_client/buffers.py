@@ -11,7 +11,7 @@ _SHORT = (5120, 5121, 5122, 5123)  # component types with less than four bytes
 
 
 class Buffers:
-    """The bufferViews and accessors of a new file: one view per use ("POSITION", indices, …), as in the server's files."""
+    """The bufferViews and accessors of a new file: one view for each use ("POSITION", indices, …), as in the server's files."""
 
     def __init__(self) -> None:
         self._views: Dict[str, Tuple[Json, bytearray]] = {}  # in order of first use
@@ -56,7 +56,7 @@ class Buffers:
         return bytes(binary)
 
     def _append(self, glb: Glb, view: int, span: "_Span") -> Tuple[int, int]:
-        """Appends part of a bufferView. Returns (index of the new view, number of bytes by which the content has moved)."""
+        """Appends part of a bufferView. Returns (index of the new view, number of bytes by which the content moved)."""
         source = glb.item("bufferViews", view)
         properties = {key: source[key] for key in ("byteStride", "target") if key in source}
         _, content = self._views.setdefault(span.use, (properties, bytearray()))

@@ -111,7 +111,7 @@ class Caller:
         return asking.json_object(response.body) or {}
 
     def _delete(self, path: str, timeout: Optional[float], cancel: Optional[Cancel]) -> bool:
-        """Deletes the resource at a path. Returns False if there is none."""
+        """Deletes the resource at a path. Returns False if it does not exist."""
         try:
             self._ask("DELETE", path, b"", {}, asking.check_nothing, timeout, cancel)
         except FractureError as error:

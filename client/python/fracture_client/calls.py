@@ -36,7 +36,7 @@ class Cancel:
         return self._event.is_set()
 
     def wait(self, seconds: float) -> bool:
-        """Waits until cancel() is called, but at most this many seconds. Returns whether cancel() was called."""
+        """Waits until cancel() is called, but for at most this many seconds. Returns whether cancel() was called."""
         return self._event.wait(seconds)
 
     @contextlib.contextmanager
@@ -60,7 +60,7 @@ class OutOfTime(Exception):
 
 
 class Call:
-    """A call of the client, including its retries: its deadline, and how to interrupt its current wait."""
+    """A call of the client with all its retries. It knows its deadline and how to interrupt the current wait."""
 
     def __init__(self, seconds: Optional[float], what: str) -> None:
         """Starts the clock. `seconds`: time limit; None: no limit. `what`: the request as it appears in messages, such as "POST

@@ -5,7 +5,7 @@ from typing import Any, Dict, List, Mapping, NamedTuple, Union
 
 
 class Choice(NamedTuple):
-    """A change that the server offers, because it changes what the mesh is. Fracture with its parameters to get it:
+    """A change that the server only offers, because it changes what the mesh is. To get it, fracture with its parameters:
 
         mesh.fracture({**parameters, **choice.parameters})
     """

@@ -149,7 +149,7 @@ class Client(Caller):
 
     def jobs(self, state: Optional[str] = None, *, timeout: Optional[float] = None,
              cancel: Optional[Cancel] = None) -> Iterator[Job]:
-        """Yields your jobs, newest first, and fetches them in pages of 100. `state`: only jobs in this state ("queued", "running",
+        """Yields your jobs, newest first. Fetches them in pages of 100. `state`: only jobs in this state ("queued", "running",
         "done", "failed" or "cancelled"). Raises FractureError."""
         target = "/jobs" + query_of({"state": state, "limit": 100})
         while target:
@@ -183,7 +183,7 @@ class Client(Caller):
 
     def explain(self, problem: Union[str, FractureError], *, timeout: Optional[float] = None,
                 cancel: Optional[Cancel] = None) -> str:
-        """Explains an error type and what to do about it, in words for people. Raises FractureError."""
+        """Returns a text that explains an error type and what to do about it. Raises FractureError."""
         name = problem.type if isinstance(problem, FractureError) else problem.rsplit("/", 1)[-1]
         target = "/problems/" + urllib.parse.quote(name, safe="")
         response = self._ask("GET", target, b"", {"Accept": "text/plain"}, asking.check_nothing, timeout, cancel)

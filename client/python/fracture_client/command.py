@@ -77,7 +77,7 @@ def main(arguments: List[str]) -> int:
 
 
 def _print(line: str) -> bool:
-    """Prints to standard output. Returns whether that was possible; otherwise, prints the reason to standard error."""
+    """Prints to standard output. Returns whether this worked. If it failed, prints the reason to standard error."""
     reason = "it is closed"
     try:
         print(line, flush=True)
@@ -86,12 +86,12 @@ def _print(line: str) -> bool:
     except OSError as error:
         reason = error.strerror
         os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # Python flushes the rest at the end, and would fail again
-    print(f"fracture_client: cannot write standard output: {reason}", file=sys.stderr)
+    print(f"fracture_client: cannot write to standard output: {reason}", file=sys.stderr)
     return False
 
 
 def _say_remarks(quiet: bool, of: str, report: Mapping[str, Any], said: Mapping[str, Any]) -> None:
-    """Prints the warnings, notes and dropped things in `report`, except those that are also in `said`, a report that was printed
+    """Prints the warnings, notes and dropped items in `report`, except those that are also in `said`, a report that was printed
     before."""
     for kind, name in (("warnings", "warning"), ("notes", "note")):
         for sentence in report.get(kind, []):
@@ -106,22 +106,22 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="fracture_client", usage=USAGE_LINE, description=DESCRIPTION, epilog=EXAMPLES,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("server", metavar="SERVER", help="address of the server, such as http://127.0.0.1:8080")
-    parser.add_argument("mesh", metavar="MESH", type=pathlib.Path, help="mesh: .glb, .gltf, .obj, .stl, .ply, .off, or another format "
-                        "that the server reads; files that it references (.bin, .mtl, textures) are sent too, if they are in its "
-                        "folder or a subfolder")
-    parser.add_argument("out", metavar="OUT", type=pathlib.Path, help="result: .glb or no extension, .gltf (a single JSON document) "
-                        "or .json (data without geometry)")
-    parser.add_argument("parameters", metavar="name=value", nargs="*", default=[], help="any parameter of the interface: "
-                        "material=stone fragments=40 seed=7 'impacts=0,0.5,0;0.2,1,0'; the server lists them at GET /patterns")
-    parser.add_argument("--file", metavar="FILE", action="append", help="an additional file of the mesh; can be repeated; "
-                        "if this option is used, no other additional files are sent")
+    parser.add_argument("mesh", metavar="MESH", type=pathlib.Path, help="file to break: .glb, .gltf, .obj, .stl, .ply, .off, or another "
+                        "format that the server reads; referenced files (.bin, .mtl, textures) in its folder or a subfolder are "
+                        "sent, too")
+    parser.add_argument("out", metavar="OUT", type=pathlib.Path, help="file to write: .glb, .gltf (a single JSON document) or .json "
+                        "(data without geometry); without an extension: GLB")
+    parser.add_argument("parameters", metavar="name=value", nargs="*", default=[], help="parameters of the interface, such as "
+                        "material=stone fragments=40 seed=7 'impacts=0,0.5,0;0.2,1,0'; GET /patterns lists them all")
+    parser.add_argument("--file", metavar="FILE", action="append", help="an additional file to send with the mesh; can be repeated. "
+                        "With this option, only these additional files are sent")
     parser.add_argument("--format", metavar="NAME", help="format of the mesh, if its file extension does not show it")
-    parser.add_argument("--job", action="store_true", help="break the mesh as background work, which may take half an hour, and "
-                        "show progress")
+    parser.add_argument("--job", action="store_true", help="break the mesh in a background job, which may take up to half an "
+                        "hour, and show progress")
     parser.add_argument("--token-file", metavar="FILE", type=pathlib.Path, help="file with the token in its first line "
-                        "(default: the variable FRACTURE_TOKEN, if set)")
+                        "(default: the environment variable FRACTURE_TOKEN)")
     parser.add_argument("--timeout", metavar="SECONDS", type=_seconds, default=300.0, help="time limit for each step in seconds (default: 300)")
-    parser.add_argument("--quiet", action="store_true", help="print no warnings, notes or progress")
+    parser.add_argument("--quiet", action="store_true", help="do not print warnings, notes or progress")
     parser.add_argument("--version", action="version", version=VERSION)
     return parser
 

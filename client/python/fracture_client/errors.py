@@ -44,7 +44,7 @@ class FractureError(Exception):
 
     @property
     def details(self) -> List[str]:
-        """The errors, one per line, because several parameters of a request can be wrong."""
+        """The texts of all errors, because several parameters of a request can be wrong."""
         errors = self.problem.get("errors")
         lines = [text_of(e, "detail") for e in errors if isinstance(e, dict)] if isinstance(errors, list) else []
         lines = [line.strip() for line in lines if line]

@@ -32,8 +32,8 @@ class Primitive:
 
 @dataclass(frozen=True, eq=False)
 class Fragment:
-    """A closed fragment: a vertex is at `translation` + position (m, y up). The node of a whole instance (instances=keep) rotates and
-    scales a mesh that other nodes share. Here this is done already, as if the node had only a translation."""
+    """A closed fragment. A vertex is at `translation` plus its position (m, y up). With instances=keep, the node of an unbroken instance
+    rotates and scales a mesh that other nodes share. The positions here are already rotated and scaled."""
 
     id: int  # a fragment that a hit does not change keeps its id
     name: str  # name of its node
@@ -77,7 +77,7 @@ class Fragment:
 
 @dataclass(frozen=True)
 class Bond:
-    """Two fragments that hold together, by the cut faces that they share, by contacts of their parts, or by both."""
+    """Two fragments that are held together by shared cut faces, by contacts between their parts, or by both."""
 
     a: int  # id of a fragment, or of a cluster in a level
     b: int
@@ -89,7 +89,7 @@ class Bond:
 
 @dataclass(frozen=True)
 class Delta:
-    """The ids of the fragments that a hit created, changed or removed. All other fragments are identical bit for bit."""
+    """The ids of the fragments that a hit created, changed or removed. All other fragments stay the same, bit for bit."""
 
     new: Tuple[int, ...]
     changed: Tuple[int, ...]
@@ -103,11 +103,11 @@ def figures_of(glb: Glb) -> Dict[str, Any]:
         own = extras_of(node)
         if "certificate" in own:
             return own
-    raise damaged("no node has extras.fracture.certificate, but every answer from a fracture server does")
+    raise damaged("no node has extras.fracture.certificate, which every answer from a fracture server contains")
 
 
 def root_offset(glb: Glb) -> "Vector":
-    """Returns the translation of the node with the figures (m); (0, 0, 0) if it has none."""
+    """Returns the root node's translation (m); (0, 0, 0) if it has none."""
     for node in glb.list("nodes"):
         if "certificate" in extras_of(node):
             return _vector(node.get("translation", (0, 0, 0)))
@@ -190,7 +190,7 @@ def _hull_meshes(glb: Glb, node: Dict[str, Any]) -> Iterator[int]:
 
 
 def sheet_meshes(glb: Glb, node: Dict[str, Any]) -> List[int]:
-    """Returns the meshes of the sheets that a fragment carries: those of its child nodes that are not for physics."""
+    """Returns the meshes of the sheets that a fragment carries. They belong to the child nodes that are not for physics."""
     below = [glb.item("nodes", child) for child in node.get("children", [])]
     return [child["mesh"] for child in below if "mesh" in child and not str(child.get("name", "")).startswith("UCX_")]
 

@@ -1,4 +1,4 @@
-"""The groups of an answer: nodes that contain the fragments of one node of the mesh's source."""
+"""The groups of an answer. A group is a node that contains the fragments of one node of the source mesh."""
 from __future__ import annotations
 
 import copy
@@ -13,7 +13,7 @@ SUFFIX = "_group"  # of the name of a group if another node has that name
 
 
 def cut(text: str, size: int) -> str:
-    """Cuts a text to `size` bytes in UTF-8, at the end of a character."""
+    """Cuts a text to at most `size` bytes of UTF-8, without splitting a character."""
     return text.encode("utf-8", "replace")[:size].decode("utf-8", "ignore")
 
 
@@ -40,7 +40,7 @@ class Groups:
                     self._parent.setdefault(index, self._above.get(id(node)))
 
     def above(self, node: Json) -> Optional[int]:
-        """Returns the index of the group that contains a node of one of the answers; None if there is none."""
+        """Returns the index of the group that contains this node of an answer; None if no group does."""
         return self._above.get(id(node))
 
     def append_to(self, nodes: List[Json], held: List[Tuple[Optional[int], int]], taken: Set[str]) -> List[int]:
@@ -60,7 +60,7 @@ class Groups:
 
 
 def index_of(node: Json) -> Optional[int]:
-    """Returns the index of a group; None for other nodes. With levels, fragments state their source, too."""
+    """Returns the index of a group; None for other nodes. With levels, fragments have a `source`, too."""
     own = extras_of(node)
     source = own.get("source")
     index = source.get("index") if isinstance(source, dict) and "id" not in own else None
@@ -68,7 +68,7 @@ def index_of(node: Json) -> Optional[int]:
 
 
 def _free_name(group: Json, taken: Set[str]) -> str:
-    """Returns the name that the server gives to a group if these names are taken, and adds it to them."""
+    """Returns the name that the server gives to a group if the names in `taken` are in use. Adds this name to `taken`."""
     name, stated = str(group["name"]), str(extras_of(group)["source"].get("name", ""))
     if name.endswith(SUFFIX) and (not stated.endswith(SUFFIX) or name.endswith(2 * SUFFIX)):
         name = name[:-len(SUFFIX)]

@@ -1,6 +1,6 @@
 """HTTP/1.1 (RFC 9112) over one socket, parsed strictly and within a call's deadline.
 
-http.client is not used for three reasons. It accepts malformed headers and bytes after a response. Another thread cannot
+There are three reasons not to use http.client. It accepts malformed headers and bytes after a response. Another thread cannot
 stop it. It has no time limit for a whole response, so a server that sends one byte a minute could block it forever.
 """
 from __future__ import annotations
@@ -130,7 +130,7 @@ class Connection:
             self.socket.sendall(data)
             return True
         except (socket.timeout, OutOfTime):
-            raise Trouble("timeout", "The server did not receive the whole request in time.") from None
+            raise Trouble("timeout", "The server did not receive the complete request in time.") from None
         except OSError:
             call.check()
             self.reusable = False
@@ -141,7 +141,7 @@ class Connection:
         try:
             block = self._next_block(call)
         except OutOfTime:
-            raise Trouble("timeout", "The whole response did not arrive in time.", began=self._began) from None
+            raise Trouble("timeout", "The response did not arrive completely in time.", began=self._began) from None
         except (OSError, ValueError) as error:  # ValueError: a TLS socket without its connection
             call.check()
             raise Trouble("connection", f"The connection broke: {error}.", began=self._began) from None
@@ -164,7 +164,7 @@ class Connection:
                 pass  # the turn is over; left() raises OutOfTime at the deadline
 
     def _until(self, mark: bytes, most: int, call: Call) -> bytes:
-        """Removes and returns the bytes before the mark, and removes the mark."""
+        """Removes the bytes up to the mark and the mark itself. Returns the bytes before the mark."""
         searched = 0
         while True:
             at = self._buffer.find(mark, searched)
@@ -174,7 +174,7 @@ class Connection:
                 return text
             searched = max(0, len(self._buffer) - len(mark) + 1)
             if len(self._buffer) > most:
-                raise self._no_http(f"a line or header has more than {most:,} bytes")
+                raise self._no_http(f"a line or the header has more than {most:,} bytes")
             if not self._receive(call):
                 raise self._cut()
 
@@ -193,7 +193,7 @@ class Connection:
         for line in lines[1:]:
             parts = _FIELD.fullmatch(line)
             if parts is None:
-                raise self._no_http(f"its header has the line {line[:40]!r}")
+                raise self._no_http(f"its header contains the malformed line {line[:40]!r}")
             name, value = parts.group(1).decode("ascii").lower(), parts.group(2).decode("latin-1")
             headers[name] = f"{headers[name]}, {value}" if name in headers else value
         return int(status.group(1)), headers
@@ -211,7 +211,7 @@ class Connection:
             yield from self._rest(call, most)
             return
         if not re.fullmatch(r"[0-9]{1,18}", length):
-            raise self._no_http(f"its Content-Length is {length[:40]!r}")
+            raise self._no_http(f"its Content-Length is {length[:40]!r}, not 1 to 18 digits")
         if int(length) > most:
             raise self._too_large(most)
         yield from self._exactly(int(length), call)
@@ -231,7 +231,7 @@ class Connection:
         while True:
             size = self._until(b"\r\n", MOST_HEAD_BYTES, call).split(b";")[0].strip()
             if not re.fullmatch(rb"[0-9a-fA-F]{1,15}", size):
-                raise self._no_http(f"the size of a chunk is {size[:40]!r}")
+                raise self._no_http(f"the size of a chunk is {size[:40]!r}, not 1 to 15 hexadecimal digits")
             count = int(size, 16)
             if count == 0:
                 while self._until(b"\r\n", MOST_HEAD_BYTES, call):
@@ -257,5 +257,5 @@ class Connection:
             yield block
 
     def _too_large(self, most: int) -> Trouble:
-        return Trouble("answer-too-large", f"The answer has more than {most:,} bytes, this client's limit. Request fewer "
+        return Trouble("answer-too-large", f"The answer exceeds this client's limit of {most:,} bytes. Request fewer "
                                            "fragments, or raise Settings.max_answer_bytes.", began=True, again=False)

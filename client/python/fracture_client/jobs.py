@@ -104,8 +104,8 @@ class Job:
                 pause = min(2 * pause, settings.longest_pause)
 
     def wait(self, *, timeout: Optional[float] = None, cancel: Optional[Cancel] = None) -> JobState:
-        """Waits until the job has finished. `timeout`: seconds; None: no limit. Raises FractureError; if its type is "timeout", the
-        job keeps running."""
+        """Waits until the job has finished. `timeout`: seconds; None: no limit. Raises FractureError. After an error of type "timeout",
+        the job continues to run."""
         end = None if timeout is None else time.monotonic() + timeout
         longest = max(1.0, min(LONGEST_WAIT, self._client.settings.answer_timeout / 2))
         while not self.state.is_finished:
@@ -122,8 +122,8 @@ class Job:
 
     def result(self, *, timeout: Optional[float] = None, cancel: Optional[Cancel] = None) -> Answer:
         """Waits until the job has finished and returns its answer. `timeout`: seconds for the wait, and the same time again for
-        fetching the answer. Raises the job's FractureError if it failed or was cancelled, and FractureError of type "not-found" if the server
-        has forgotten the result."""
+        fetching the answer. Raises the job's FractureError if it failed or was cancelled, FractureError of type "job-lost" if the server
+        had to remove the result, and "not-found" if it has forgotten the job."""
         state = self.wait(timeout=timeout, cancel=cancel)
         if state.state != "done":
             if state.error:

@@ -33,7 +33,7 @@ class _Piece:
 
     @property
     def shape(self) -> Optional[int]:
-        """The number of the shape that it shares with other instances of a mesh; None if it has its own mesh."""
+        """The number of the shape that this fragment shares with other instances of a mesh; None if it has its own mesh."""
         return self.own.get("shape")
 
 
@@ -84,7 +84,7 @@ def _pieces(whole: Glb, delta: Glb, figures: Json) -> List[_Piece]:
     after = [_Piece(delta, node, own) for _, node, own in fragment_nodes(delta)]
     known = {piece.id for piece in before}
     if not changed | gone <= known or new & known or {piece.id for piece in after} != new | changed:
-        raise damaged("its changes do not belong to the answer that was hit")
+        raise damaged("its changes do not fit the answer that was hit")
     stay = [piece for piece in before if piece.id not in changed | gone]
     if len(stay) + len(after) != figures["certificate"]["fragments"]:
         raise damaged(f"its certificate states {figures['certificate']['fragments']} fragments, but the merged answer has "
@@ -93,12 +93,12 @@ def _pieces(whole: Glb, delta: Glb, figures: Json) -> List[_Piece]:
 
 
 def _in_order(stay: List[_Piece], after: List[_Piece]) -> List[_Piece]:
-    """Returns all fragments by their first site, part and id, as on the server."""
+    """Returns all fragments in the server's order: by first site, then by part, then by id."""
     return sorted(stay + after, key=lambda piece: (int((piece.own["sites"] or [-1])[0]), int(piece.own.get("part", 0)), piece.id))
 
 
 def _rename(pieces: List[_Piece]) -> None:
-    """Names each fragment "<node of the mesh>_007". The number makes the name unique and has as many digits as the last one."""
+    """Names each fragment "<node of the mesh>_007". The number makes the name unique; all numbers have the same number of digits."""
     width = len(str(len(pieces) - 1))
     sheets = [sheet_meshes(piece.glb, piece.node) for piece in pieces]
     most = max((len(_hull_meshes(piece)) for piece in pieces), default=0)
@@ -112,7 +112,7 @@ def _rename(pieces: List[_Piece]) -> None:
 
 
 def _unique(name: str, taken: Set[str]) -> str:
-    """Returns the name, with _2, _3, ... if it is taken, because numbers with more digits may have made a fragment's name equal to it."""
+    """Returns the name, or the name with _2, _3, ... if it is taken. A fragment may have the name, because its number got more digits."""
     unique, number = name, 1
     while unique in taken:
         number += 1
@@ -122,8 +122,8 @@ def _unique(name: str, taken: Set[str]) -> str:
 
 
 def _bonds(whole: Glb, figures: Json, pieces: List[_Piece]) -> Json:
-    """Returns the bonds between unchanged fragments, and the bonds in the delta. All are sorted, and go from the earlier fragment to the
-    later one."""
+    """Returns the bonds between unchanged fragments, and the bonds in the delta. They are sorted, and each goes from the earlier fragment
+    to the later one."""
     place = {piece.id: k for k, piece in enumerate(pieces)}
     stay = {piece.id for piece in pieces if piece.glb is whole}
     columns = list(figures["bonds"])
@@ -262,7 +262,7 @@ def _shapes(glb: Glb) -> List[Json]:
 
 
 def _refer(node: Json, piece: _Piece, number: Dict[int, int], filter_number: Optional[int], first_hull: int) -> None:
-    """Replaces a node's numbers of hulls, sheets and collision filters with those of the merged file."""
+    """Makes a node refer to the hulls, sheets and collision filters of the merged file."""
     collider = _body(node).get("collider", {})
     if "geometry" in collider:
         collider["geometry"]["mesh"] = number[collider["geometry"]["mesh"]]
@@ -277,7 +277,7 @@ def _refer(node: Json, piece: _Piece, number: Dict[int, int], filter_number: Opt
 
 
 def _renamed(name: str, piece: _Piece, old: str) -> str:
-    """Returns the name of a hull, collider or sheet in the merged file. It contains `old`, the name of the fragment, and a number."""
+    """Returns the new name of a hull, collider or sheet. Its old name contains `old`, the fragment's old name, and a number."""
     begin, found, end = name.partition(old)
     return begin + piece.name + re.sub(r"^_(\d+)", lambda number: f"_{int(number[1]):0{piece.digits}}", end) if found else name
 

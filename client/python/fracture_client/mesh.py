@@ -73,7 +73,7 @@ class Mesh:
 
     def figures(self, parameters: Optional[Parameters] = None, *, timeout: Optional[float] = None,
                 cancel: Optional[Cancel] = None, realtime: Optional[bool] = None, **more: Any) -> Dict[str, Any]:
-        """Breaks the mesh and returns the data without the geometry (Answer.figures). Takes the same arguments as fracture(). Raises
+        """Breaks the mesh and returns only the data (Answer.figures), not the geometry. Takes the same arguments as fracture(). Raises
         FractureError."""
         response = self._ask(parameters, more, "application/json", check_figures, timeout, cancel, realtime)
         return json_object(response.body) or {}

@@ -56,7 +56,7 @@ class Address:
 
 @dataclass(frozen=True)
 class Settings:
-    """A client's timeouts, tries and connections."""
+    """The timeouts and limits of a client."""
 
     connect_timeout: float = 5.0  # s to open a connection
     answer_timeout: float = 120.0  # s for one request and its response, from the first byte sent to the last byte received
@@ -65,7 +65,7 @@ class Settings:
     max_answer_bytes: int = 1 << 30  # a larger answer is an error of type "answer-too-large"
     tries: int = 10  # maximum number of requests per call
     damaged_answers: int = 3  # a call fails after this many damaged answers
-    first_pause: float = 0.05  # s before the first retry if the server is absent or busy; the pause doubles with each retry
+    first_pause: float = 0.05  # s before the first retry if the server is unreachable or busy; the pause doubles with each retry
     longest_pause: float = 1.0  # s; maximum length of that pause
 
 
@@ -104,7 +104,7 @@ class Pool:
 
     @contextlib.contextmanager
     def stream(self, request: Request, call: Call, stall: float) -> Iterator[Iterator[Response]]:
-        """Streams over a separate connection (Connection.stream()), because a stream can stay open for hours."""
+        """Streams over a connection of its own (Connection.stream()), because a stream can stay open for hours."""
         connection = self._connect(call)
         stream = connection.stream(request, self.address.authority, call, stall)
         try:

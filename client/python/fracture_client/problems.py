@@ -13,7 +13,7 @@ class Reaction(enum.Enum):
     """This package's reaction to an error, before the caller sees it."""
 
     RAISE = "none, because the same request would give the same error"
-    WAIT = "wait as long as Retry-After says, then retry, if the call has tries and time left"
+    WAIT = "wait for the time in Retry-After, then retry if the call has tries and time left"
     PUT = "send the forgotten mesh to the server once, and retry"
     REMAKE = "request the forgotten answer again, with its parameters instead of its address"
 
@@ -77,7 +77,7 @@ SERVER: Dict[str, Reaction] = {
 # Errors from this client. They have no problem document, and most have no status.
 LOCAL: Dict[str, str] = {
     "connection": "No server answers at this address, or the connection broke",
-    "timeout": "The whole response did not arrive in time",
+    "timeout": "The response did not arrive completely in time",
     "damaged": "The response is cut off, was changed in transit, or is not from a fracture server",
     "answer-too-large": "The answer is larger than this client accepts",
     "cancelled": "The call was cancelled, or the client is closed",

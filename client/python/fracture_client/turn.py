@@ -1,4 +1,4 @@
-"""The rotation and uniform scale of a whole instance's node (parameter instances=keep)."""
+"""The rotation and uniform scale of an unbroken instance's node (parameter instances=keep)."""
 from __future__ import annotations
 
 import struct
@@ -10,7 +10,7 @@ Quaternion = Tuple[float, float, float, float]
 
 
 class Turn:
-    """Moves arrays from the frame of a node to the directions of the scene's axes. The translation is not applied."""
+    """Rotates and scales arrays from a node's frame to the scene's axes. The node's translation is not applied."""
 
     def __init__(self, rotation: Quaternion, scale: float) -> None:
         x, y, z, w = rotation
@@ -20,7 +20,7 @@ class Turn:
                      (2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)))
 
     def attribute(self, semantic: str, data: memoryview, kind: str, width: int) -> Array:
-        """Returns a rotated copy of positions, normals or tangents; positions are also scaled. Other attributes stay as they are."""
+        """Returns a rotated copy of positions, normals or tangents. Positions are also scaled. Other attributes do not change."""
         if semantic not in ("POSITION", "NORMAL", "TANGENT"):
             return as_array(data, kind, width)
         scale = self.scale if semantic == "POSITION" else 1.0
@@ -37,7 +37,7 @@ class Turn:
         return as_array(memoryview(struct.pack(f"<{len(values)}f", *values)), kind, width)
 
     def orientation(self, inner: Quaternion) -> Quaternion:
-        """Returns a rotation that is given in the node's frame, in the scene's."""
+        """Converts a rotation from the node's frame to the scene's."""
         (x, y, z, w), (a, b, c, d) = self.rotation, inner
         return (w * a + x * d + y * c - z * b, w * b - x * c + y * d + z * a,
                 w * c + x * b - y * a + z * d, w * d - x * a - y * b - z * c)

@@ -53,7 +53,7 @@ class Upload:
                                                  "Send the mesh as a single GLB that contains its textures.", parameter="files")
         for name in named:
             if not name or re.search(r"[\x00-\x1f\x7f]", name):
-                raise FractureError("bad-parameter", f"An additional file is named {name!r}, but names must not be empty or contain "
+                raise FractureError("bad-parameter", f"An additional file has the name {name!r}. Names must not be empty or contain "
                                                      "control characters.", parameter="files")
         ordered = tuple(sorted(((name, named[name]) for name in named), key=lambda file: _encoded(file[0])))
         return cls(content, (format or known).lower(), ordered, mesh_id(content, ordered))

@@ -1,4 +1,4 @@
-// The fragments that the server returns, with calls to hit them again.
+// The fragments that the server returns, with methods to hit them again.
 import { Glb, type Vector3 } from './glb.js';
 import { type Bond, bondsOf, type Dropped, type Figures, figuresOf, type Fragment, fragmentsOf, passedThrough, type Piece, rootOf } from './fragments.js';
 import { merge } from './merge.js';
@@ -14,7 +14,7 @@ export interface AnswerHead {
   location: string | undefined;
   etag: string | undefined;
   requestId: string | undefined;
-  /** Milliseconds per stage: queue, import, prepare, tetrahedralize, clip, encode; `work`: all stages except queue, together. */
+  /** The time in milliseconds for each stage: queue, import, prepare, tetrahedralize, clip, encode. `work` is the total without the queue. */
   timing: Record<string, number>;
   /** The caches that contained the answer (Cache-Status, RFC 9211). */
   cacheStatus: string | undefined;
@@ -23,7 +23,7 @@ export interface AnswerHead {
 }
 
 export interface HitOptions extends FractureOptions {
-  /** Number of cells of a hit, which cut fragments into pieces: one number for all hits, or one per hit. Default: the server's, 30. */
+  /** Number of cells with which a hit cuts fragments into pieces: one number for all hits, or one per hit. Default: the server's, 30. */
   sites?: number | readonly number[];
   /** Further parameters of a hit: `gravity`, `broken`. */
   parameters?: Parameters;
@@ -74,11 +74,12 @@ export class Answer {
   get parameters(): Record<string, any> {
     return this.figures.parameters;
   }
-  /** Sentences that you should act on: what happened, how it affects the result, and what to do. */
+  /** The report's warnings. Each says what happened, how it affects the result, and what to do. */
   get warnings(): readonly string[] {
     return this.figures.report.warnings ?? [];
   }
-  /** Sentences about what was done. They need no action. Servers with algorithm 22 or older put notes among the warnings. */
+  /** The report's notes about what the server did. They need no action. Servers with algorithm 22 or older put notes among the
+   * warnings. */
   get notes(): readonly string[] {
     return this.figures.report.notes ?? [];
   }
@@ -86,12 +87,12 @@ export class Answer {
   get dropped(): readonly Dropped[] {
     return this.figures.report.dropped ?? [];
   }
-  /** Changes that the server offers and did not make: another unit, walls for a room. */
+  /** Changes that the server offers but did not make: another unit, walls for a room, … */
   get choices(): readonly Choice[] {
     return (this.figures.report['choices'] ?? []) as Choice[];
   }
-  /** The place of the root node (m): a place in the file is this plus a place in the answer. [0, 0, 0] unless the mesh is far from its
-   * origin. Renderers and physics engines use floats, so keep such a mesh near the origin there. */
+  /** The position of the root node (m). To get a position in the mesh's file, add this to a position in the answer. [0, 0, 0] unless
+   * the mesh is far from its origin. Renderers and physics engines use floats, so keep such a mesh near the origin there. */
   get offset(): Vector3 {
     return rootOf(this.document)?.translation ?? [0, 0, 0];
   }
@@ -106,7 +107,7 @@ export class Answer {
   get passedThrough(): Piece[] {
     return passedThrough(this.document, this.figures);
   }
-  /** Returns the fragment with this id, if there is one. */
+  /** Returns the fragment with this id; undefined if no fragment has it. */
   fragment(id: number): Fragment | undefined {
     this.byId ??= new Map(this.fragments.map(fragment => [fragment.id, fragment]));
     return this.byId.get(id);
@@ -116,13 +117,14 @@ export class Answer {
     return new Blob([this.glb as BlobPart], { type: 'model/gltf-binary' });
   }
 
-  /** Breaks the fragments within `radius` (m) of `point` (m, in the fragments' frame before anything moved). Returns an answer with all
-   * fragments. Several points are several hits in sequence. The server sends only the changes; the result equals the server's
-   * answer with delta=stated. `figures.delta` lists the new, changed and removed ids. The request is realtime by default. Throws FractureError. */
+  /** Breaks the fragments within `radius` (m) of `point` (m, in the answer's coordinates, before any fragment moved). Returns an answer
+   * with all fragments. Several points are hits in sequence. The result equals the server's answer with delta=stated, but the server
+   * usually sends only the changes. `figures.delta` lists the new, changed and removed ids. The request is realtime by default.
+   * Throws FractureError. */
   async hit(point: Vector3 | readonly Vector3[], radius: number | readonly number[], hitOptions: HitOptions = {}): Promise<Answer> {
     const { sites, parameters, ...options } = hitOptions;
     const given = (typeof point[0] === 'number' ? [point] : point) as readonly Vector3[], [x, y, z] = this.offset;
-    const points = given.map((place): Vector3 => [place[0] + x, place[1] + y, place[2] + z]);  // parameters have the origin of the file
+    const points = given.map((place): Vector3 => [place[0] + x, place[1] + y, place[2] + z]);  // parameters use the file's coordinates
     const hit: Parameters = { ...parameters, local_point: points, local_radius: radius, local_sites: sites };
     const left = within(options.deadline ?? this.mesh.deadline);
     const ask = (delta: 'only' | 'stated') =>
@@ -147,8 +149,8 @@ export class Answer {
     return this.again(own, () => ({ ...this.parametersWithoutDelta(), ...own }), { realtime: true, ...options }, left);
   }
 
-  /** Makes a request that refers to this answer's address. If the server has forgotten it, repeats the request with the answer's
-   * parameters; the bytes are the same. */
+  /** Sends a request that refers to this answer's address. If the server has forgotten the answer, sends all parameters
+   * instead of the address. The result has the same bytes. */
   private async again(more: Parameters, parameters: () => Parameters, options: FractureOptions, left: () => number): Promise<Answer> {
     const { location, mesh } = this;
     if (location !== undefined) {
@@ -161,8 +163,8 @@ export class Answer {
     return mesh.fracture(parameters(), { ...options, deadline: left() });
   }
 
-  /** Returns whether deltas cannot be used. A hit can change levels and anchors in all fragments. If the cuts have texture maps, a delta
-   * lacks the tangents that the maps need. */
+  /** Returns whether a hit needs the whole answer instead of a delta. With levels or anchors, it does, because a hit can change these in
+   * all fragments. With interior detail, it does, because a delta lacks the tangents that the texture maps of the cuts need. */
   private wholeOnly(): boolean {
     const { interior_detail: detail, ...names } = this.parameters;
     return this.figures.levels !== undefined || (detail ?? 'none') !== 'none' ||
@@ -180,7 +182,7 @@ export class Answer {
     const all = (value: unknown, otherwise: number): number[] =>
       Array.isArray(value) ? value.length === 1 ? Array(count).fill(value[0]) : value : Array(count).fill(value ?? otherwise);
     if (parameters['fragment'] !== undefined)
-      throw localError('bad-argument', 'This answer has only the parts of one fragment and cannot be hit. Hit the answer that has ' +
+      throw localError('bad-argument', 'This answer has only the pieces of one fragment and cannot be hit. Hit the answer that has ' +
         'all fragments.', { parameter: 'fragment' });
     return {
       ...parameters, ...more, delta, local_new: count, local_rest: local_rest ?? 'fractured',

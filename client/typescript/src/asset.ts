@@ -1,17 +1,17 @@
-// Turns a mesh, given as bytes or files, into the form that the server reads, and computes the content key under which the server
-// stores it (rule: PUT /meshes/{id} in proto/openapi.yaml).
+// Converts a mesh, given as bytes or files, to the form that the server reads. Also computes the digest under which the server stores
+// the mesh (PUT /meshes/{id} in proto/openapi.yaml contains the rule).
 import { localError } from './problems.js';
 import { hex, sha256 } from './sha256.js';
 
 export type Bytes = ArrayBuffer | ArrayBufferView | Blob;
 
-/** A file, for platforms without the class File: its `data`, and its name, which may contain folders. */
+/** A file, for platforms without the class File. The name may contain folders. */
 export interface NamedFile {
   name: string;
   data: Bytes;
 }
 
-/** A mesh: its bytes, a file, or a mesh together with the files that it references (OBJ + MTL + textures, glTF + buffers + images). */
+/** A mesh: its bytes, its file, or a list of its file and the files that it references (OBJ + MTL + textures, glTF + buffers + images). */
 export type MeshInput = Bytes | NamedFile | Iterable<Blob | NamedFile>;
 
 export interface MeshFormat {
@@ -30,7 +30,7 @@ export interface Asset {
   /** "sha256:" and 64 hex digits. */
   id: string;
   main: AssetFile;
-  /** Additional files, in the order of the content key. */
+  /** Additional files, in the order in which the digest includes them. */
   files: AssetFile[];
   format: string | undefined;
 }

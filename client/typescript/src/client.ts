@@ -33,7 +33,7 @@ export interface Patterns {
   materials: { name: string; description: string; parameters: Record<string, any>; [member: string]: any }[];
 }
 
-/** The state of a mesh that this client has put. */
+/** The client's record of a mesh that it sent, or looked for on the server. */
 interface Put {
   pending?: Promise<unknown> | undefined;
   storedAt: number;
@@ -46,10 +46,10 @@ interface JobPage {
 }
 
 export interface PutOptions extends CallOptions, MeshFormat {
-  /** The parameters of later fractures that shape the solid (`material`, `shell`, `repair`, `unit`, …). The server prepares the mesh
+  /** The parameters that shape the solid (`material`, `shell`, `repair`, `unit`, …) in later fractures. The server prepares the mesh
    * with these parameters. If a fracture has other values, the server prepares the mesh again. */
   parameters?: Parameters;
-  /** Whether to ask the server for the mesh before sending it. If the server does not have it, browsers log the 404 in their
+  /** Whether to ask if the server has the mesh before sending it. If the server does not have it, browsers log the 404 in their
    * console. Default: only for meshes over 64 KiB. */
   ask?: boolean;
 }
@@ -70,7 +70,7 @@ export class Client {
 
   // -- meshes
 
-  /** Stores a mesh on the server under its content key, unless the server already has it. Throws FractureError. */
+  /** Stores a mesh on the server under its digest, unless the server already has it. Throws FractureError. */
   async put(input: MeshInput, { parameters, format, main, ask, ...call }: PutOptions = {}): Promise<Mesh> {
     const asset = await this.read(input, { format, main }, call), { stored } = this.puts.get(asset.id) ?? {};
     if (stored) return new Mesh(this, asset, asset.id, stored);
@@ -94,7 +94,7 @@ export class Client {
     return json<StoredMesh>(await this.request('postMesh', { ...call, body, headers: { 'Content-Type': body.type }, json: true }));
   }
 
-  /** Returns the stored mesh with this content key. Sends no request. */
+  /** Returns the stored mesh with this digest ("sha256:…"). Sends no request. */
   mesh(id: string): Mesh {
     return new Mesh(this, this.assets.get(id)?.deref(), id, undefined);
   }
@@ -113,7 +113,7 @@ export class Client {
 
   // -- results and jobs
 
-  /** Returns an answer that is still in the server's cache. `location`: its address or key (/fractures/sha256:…). Throws
+  /** Returns an answer that is still in the server's cache. `location`: its address (/fractures/sha256:…) or id (sha256:…). Throws
    * FractureError (not-found). */
   async answer(location: string, call: CallOptions = {}): Promise<Answer> {
     const id = location.slice(location.lastIndexOf('/') + 1);
@@ -164,8 +164,7 @@ export class Client {
   async openapi(call: CallOptions = {}): Promise<Record<string, any>> {
     return this.discover('getOpenapi', call);
   }
-  /** Explains an error and what to do about it, in words for people. `problem`: the error's name or type. Throws
-   * FractureError. */
+  /** Returns a text that explains an error and what to do about it. `problem`: the error's name or type. Throws FractureError. */
   async explain(problem: string, call: CallOptions = {}): Promise<string> {
     const name = problem.slice(problem.lastIndexOf('/') + 1);
     const { bytes } = await this.request('getProblem', { ...call, path: { name }, headers: { Accept: 'text/plain' } });
@@ -250,7 +249,7 @@ export class Client {
     const ask = { ...call, body, headers: { 'Content-Type': body.type }, json: true };
     const put = this.putOf(asset.id);
     const sending = this.request('putMesh', { ...ask, path: { id: asset.id } }).catch((error: unknown) => {
-      // A server that sorts the names of additional files differently computes another key. The client then uses the server's key.
+      // A server that sorts the names of additional files differently computes another digest. The client then uses the server's digest.
       if (!(error instanceof FractureError) || error.problem !== 'digest-mismatch' || asset.files.length === 0) throw error;
       return this.request('postMesh', ask);
     });

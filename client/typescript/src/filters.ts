@@ -1,4 +1,4 @@
-// Collision filters of KHR_physics_rigid_bodies, as the server makes them from the pairs of fragments that must not collide
+// Makes the collision filters of KHR_physics_rigid_bodies from the pairs of fragments that must not collide, as the server does
 // (common/physics/collision_filters.hpp). System 0 contains the fragments that no filter names.
 
 /** The collision system of a fragment, and the systems with which it must not collide. */

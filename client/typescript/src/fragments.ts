@@ -34,7 +34,7 @@ export interface Rest {
   deepest: number;
   /** m */
   tolerance: number;
-  /** Least share of its volume that a trimmed hull kept. */
+  /** The smallest fraction of its volume that any trimmed hull kept. */
   least_share: number;
   /** Collision systems, at most 32. */
   systems: number;
@@ -42,31 +42,32 @@ export interface Rest {
 
 /** Something in the source that the answer does not contain. */
 export interface Dropped {
-  /** Kind: light, camera, animation, extension, …. */
+  /** The kind: light, camera, animation, extension, … */
   what: string;
-  /** Name in the source, or the place there; empty if it has none. Long lists end with an entry with the reason `12 more are not listed`. */
+  /** The name or the place in the source; may be empty. The last entry of a long list has a reason such as `12 more are not listed`. */
   name: string;
   reason: string;
 }
 
-/** The object under extras.fracture of the root node. An answer with Accept: application/json is this object. */
+/** The object under extras.fracture of the root node. With Accept: application/json, the server sends only this object. */
 export interface Figures {
   version: number;
   algorithm: number;
-  /** The content key of the mesh. */
+  /** The digest of the mesh. */
   mesh: string;
   parameters: Record<string, any>;
   report: { warnings: string[]; notes?: string[]; dropped?: Dropped[]; [figure: string]: any };
   certificate: {
     fragments: number; volume_in: number; volume_out: number; open_edges: number; unmirrored_caps: number;
-    /** How the bodies rest when they start; null without collision hulls. */
+    /** The overlaps of the collision hulls when the bodies start; null without collision hulls. */
     rest?: Rest | null;
     [figure: string]: any;
   };
   bonds: BondColumns;
-  /** Bonds between fragments (ids in `a`) and nodes that stayed whole: `node` is extras.whole.node of the node, and the normal leads to it. */
+  /** Bonds between fragments (ids in `a`) and nodes that were left uncut (their extras.whole.node in `node`). The normal points to the
+   * node. */
   whole_bonds?: Omit<BondColumns, 'b'> & { node: number[] };
-  /** Ids of fragments that overlap, so that collision filters exclude the pair. In a delta: pairs with a new or changed fragment. */
+  /** Pairs of fragments that overlap, by id. Collision filters exclude them. In a delta: only pairs with a new or changed fragment. */
   filtered?: { a: number[]; b: number[] };
   /** Indices of the materials of cut faces. */
   interior_materials: number[];
@@ -77,7 +78,7 @@ export interface Figures {
   [figure: string]: any;
 }
 
-/** Two fragments that hold together, by the cut faces that they share, by contacts of their parts, or by both. */
+/** Two fragments that are held together by shared cut faces, by contacts between their parts, or by both. */
 export interface Bond {
   /** Ids of the two fragments. */
   a: number;
@@ -112,7 +113,7 @@ export interface Primitive {
   triangles: Uint16Array | Uint32Array;
 }
 
-/** The motion properties of a rigid body, relative to the fragment's `translation` and in the directions of the mesh's axes. */
+/** The motion properties of a rigid body. Positions are relative to the fragment's `translation`; directions use the mesh's axes. */
 export interface Motion {
   /** kg */
   mass: number;
@@ -127,8 +128,8 @@ export interface Motion {
 const KHR = 'KHR_physics_rigid_bodies', OMI = 'OMI_physics_body';
 
 /**
- * A drawable part of the answer: a fragment, or a mesh node that was left uncut. The node of a whole instance rotates and scales a mesh
- * that other nodes share. Here its vertices, hulls and motion are rotated and scaled already, as if the node had only a translation.
+ * A drawable part of the answer: a fragment, or a mesh node that was left uncut. With instances=keep, the node of an unbroken instance
+ * rotates and scales a mesh that other nodes share. The vertices, hulls and motion here are already rotated and scaled.
  */
 export class Piece {
   private readPrimitives: Primitive[] | undefined;
@@ -148,7 +149,7 @@ export class Piece {
   get translation(): Vector3 {
     return this.source.translation ?? [0, 0, 0];
   }
-  /** The rotation and scale of a whole instance's node; undefined for all others. rawPrimitives are not rotated and scaled yet. */
+  /** The rotation and scale of an unbroken instance's node; undefined for all others. They are not applied to rawPrimitives. */
   get turn(): Turn | undefined {
     return (this.readTurn ??= [turnOf(this.source)])[0];
   }
@@ -222,23 +223,23 @@ export class Fragment extends Piece {
   get anchored(): boolean {
     return this.figures['anchored'];
   }
-  /** The number of the connected part of the mesh to which its first piece belongs. */
+  /** The number of the connected part of the mesh to which the fragment's first piece belongs. */
   get part(): number {
     return this.figures['part'];
   }
-  /** The numbers of all parts of the mesh that it has pieces of, ascending. */
+  /** The numbers of all parts of the mesh that the fragment has pieces of, ascending. */
   get parts(): readonly number[] {
     return this.figures['parts'] ?? [this.part];
   }
-  /** Its level in the hierarchy. 0 without a hierarchy. */
+  /** The fragment's level in the hierarchy. 0 without a hierarchy. */
   get level(): number {
     return this.figures['level'];
   }
-  /** The id of its cluster, or null without levels. */
+  /** The id of the fragment's cluster; null without levels. */
   get parent(): number | null {
     return this.figures['parent'];
   }
-  /** The cells of which the fragment consists. */
+  /** The numbers of the cells that make up the fragment. */
   get sites(): readonly number[] {
     return this.figures['sites'];
   }
@@ -247,8 +248,8 @@ export class Fragment extends Piece {
     const motion = this.body?.['motion'] as Motion | undefined;
     return motion && this.turn ? this.turn.motion(motion) : motion;
   }
-  /** Keeps the fragment from colliding with fragments that it overlaps. Undefined: it collides with all. In a delta, the systems are
-   * those of the whole answer after the hit. */
+  /** Keeps the fragment from colliding with fragments that it overlaps. Undefined if it collides with all fragments. A delta has the
+   * systems of the whole answer after the hit. */
   get collisionFilter(): CollisionFilter | undefined {
     const number = this.colliders.find(collider => collider['collisionFilter'] !== undefined)?.['collisionFilter'] as number | undefined;
     const filter = this.glb.json.extensions?.[KHR]?.collisionFilters?.[number ?? -1];
@@ -271,7 +272,7 @@ export class Fragment extends Piece {
     }));
   }
 
-  /** The sheets that the fragment carries (panes, leaves, decals), in the frame of the fragment's node; usually none. */
+  /** The sheets that the fragment carries (panes, leaves, decals), in the frame of the fragment's node. Undefined for most fragments. */
   get sheet(): Piece | undefined {
     const node = sheetNodeOf(this.glb, this.source);
     return node === undefined ? undefined : new Piece(this.glb, node, this.interior);
@@ -294,7 +295,7 @@ export class Fragment extends Piece {
   }
 }
 
-/** Returns the child of a fragment's node that has its sheets. The other children are for physics. */
+/** Returns the index of the child node that contains a fragment's sheets. The other children are for physics. */
 export function sheetNodeOf(glb: Glb, { children }: GltfNode): number | undefined {
   return children?.find(child => {
     const { mesh, name } = glb.json.nodes![child]!;
@@ -322,12 +323,13 @@ function joined(parts: (Uint16Array | Uint32Array)[]): Uint16Array | Uint32Array
   return Uint32Array.from(parts.flatMap(part => [...part]));
 }
 
-/** Reads the data of an answer. Throws FractureError (damaged-answer) for a file that is not from a fracture server. */
+/** Returns the root node: the first node of the default scene. */
 export function rootOf(glb: Glb): GltfNode | undefined {
   const { nodes, scenes, scene } = glb.json;
   return nodes?.[scenes?.[scene ?? 0]?.nodes?.[0] ?? 0];
 }
 
+/** Returns the data of an answer. Throws FractureError (damaged-answer) for a file that is not from a fracture server. */
 export function figuresOf(glb: Glb): Figures {
   const figures = rootOf(glb)?.extras?.['fracture'] as Figures | undefined;
   if (!figures?.parameters || !figures.certificate || !figures.bonds)
@@ -340,7 +342,7 @@ export function fragmentsOf(glb: Glb, figures: Figures): Fragment[] {
     (node.extras?.['fracture']?.id === undefined ? [] : [new Fragment(glb, k, figures.interior_materials)]));
 }
 
-/** Returns the mesh nodes that `nodes` or `materials` left uncut. */
+/** Returns the mesh nodes that the parameter `nodes` or `materials` left uncut. */
 export function passedThrough(glb: Glb, figures: Figures): Piece[] {
   return uncutIndices(glb).filter(k => glb.json.nodes![k]!.mesh !== undefined).map(k => new Piece(glb, k, figures.interior_materials));
 }

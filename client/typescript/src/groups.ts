@@ -1,13 +1,13 @@
-// The groups of an answer: nodes that contain the fragments of one node of the mesh's source. They have `extras.fracture.source` without
-// an id, so that readers that look for ids find only fragments.
+// The groups of an answer. A group is a node that contains the fragments of one node of the source mesh. It has
+// `extras.fracture.source` but no id, so programs that look for ids find only fragments.
 import { type Glb, type GltfNode } from './glb.js';
 
 export const MOST_NAME = 63;  // bytes; common tools cut longer names
-const SUFFIX = '_group';  // of the name of a group if another node has that name
+const SUFFIX = '_group';  // ends a group's name if another node already has the name
 
 const encoder = new TextEncoder();
 
-/** Cuts a text to `size` bytes in UTF-8, at the end of a character. */
+/** Cuts a text to at most `size` bytes of UTF-8, without splitting a character. */
 export function cut(text: string, size: number): string {
   let kept = '';
   for (const character of text) {
@@ -18,13 +18,13 @@ export function cut(text: string, size: number): string {
   return kept;
 }
 
-/** Returns the index of a group; undefined for other nodes. With levels, fragments state their source, too. */
+/** Returns the index of a group; undefined for other nodes. With levels, fragments have a `source`, too. */
 export function groupIndexOf(node: GltfNode): number | undefined {
   const own = node.extras?.['fracture'];
   return own?.id === undefined && typeof own?.source?.index === 'number' ? own.source.index as number : undefined;
 }
 
-/** Returns the nodes that no cut reaches, in file order: children of the root or of groups that are neither fragments nor clusters. */
+/** Returns the uncut nodes, in file order. They are children of the root or of groups, but not fragments, clusters or groups. */
 export function uncutNodes(glb: Glb): GltfNode[] {
   return uncutIndices(glb).map(index => glb.json.nodes![index]!);
 }
@@ -34,11 +34,11 @@ export function uncutIndices({ json }: Glb): number[] {
   return above.flatMap(node => node.children ?? []).filter(child => !nodes[child]!.extras?.['fracture']).sort((a, b) => a - b);
 }
 
-/** The groups of some answers to one mesh. Equal groups have the same index in all answers, and parents have lower indices than children. */
+/** The groups of several answers for one mesh. Equal groups have the same index in all answers. A parent's index is below its children's. */
 export class Groups {
   private readonly node = new Map<number, GltfNode>();
   private readonly parent = new Map<number, number | undefined>();
-  private readonly holder = new Map<GltfNode, number>();  // of each node in one of the answers: index of the group that contains it
+  private readonly holder = new Map<GltfNode, number>();  // for each node of an answer: index of the group that contains it
 
   constructor(answers: readonly Glb[]) {
     const all = answers.flatMap(({ json }) => (json.nodes ?? []).flatMap(node => {
@@ -53,13 +53,13 @@ export class Groups {
       if (!this.parent.has(index)) this.parent.set(index, this.holder.get(node));
   }
 
-  /** Returns the index of the group that contains a node of one of the answers. */
+  /** Returns the index of the group that contains this node of an answer; undefined if no group does. */
   above(node: GltfNode): number | undefined {
     return this.holder.get(node);
   }
 
-  /** Returns the groups as the server writes them from node `first` on, and the root's children. `held`: nodes of the file, ascending, with
-   *  the groups that contain them. Groups that contain nothing are left out. `taken`: names of nodes and meshes. */
+  /** Returns the groups as the server writes them, and the root's children. Groups that contain nothing are left out. `held`: nodes of the
+   *  file, ascending, with the groups that contain them. `first`: index of the first group's node. `taken`: names of nodes and meshes. */
   written(held: readonly { group: number | undefined; node: number }[], first: number, taken: ReadonlySet<string>): { nodes: GltfNode[]; ofRoot: number[] } {
     const ofRoot: number[] = [], below = new Map<number, number[]>(), names = new Set(taken), nodes: GltfNode[] = [];
     const listOf = (group: number | undefined): number[] => {
@@ -76,7 +76,7 @@ export class Groups {
   }
 }
 
-/** Returns the name that the server gives to a group if these names are taken, and adds it to them. */
+/** Returns the name that the server gives to a group if the names in `taken` are in use. Adds this name to `taken`. */
 function freeName(group: GltfNode, taken: Set<string>): string {
   const stated = String(group.extras?.['fracture'].source.name ?? ''), given = group.name ?? '';
   const marked = given.endsWith(SUFFIX) && (!stated.endsWith(SUFFIX) || given.endsWith(SUFFIX + SUFFIX));

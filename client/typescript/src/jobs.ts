@@ -56,8 +56,8 @@ export class Job {
     return this.state === 'done' || this.state === 'failed' || this.state === 'cancelled';
   }
 
-  /** Asks the server for the state, and returns it. `wait`: the server responds when the job has finished, or after this many
-   * seconds. Throws FractureError. */
+  /** Asks the server for the state, and returns it. `wait`: maximum time (s) that the server waits for the job to finish before it
+   * responds. Throws FractureError. */
   async refresh({ wait, ...options }: CallOptions & { wait?: number } = {}): Promise<JobDocument> {
     if (this.id === '') return this.document;
     const headers = { Prefer: wait === undefined ? undefined : `wait=${wait}` };

@@ -18,7 +18,7 @@ interface Source {
 
 const KHR = 'KHR_physics_rigid_bodies', OMI = 'OMI_physics_body', SHAPES = 'OMI_physics_shape';
 
-/** Returns the name, with _2, _3, … if it is taken, because numbers with more digits may have made a fragment's name equal to it. */
+/** Returns the name, or the name with _2, _3, … if it is taken. A fragment can take it if the fragments' numbers get more digits. */
 function uniqueName(name: string, taken: Set<string>): string {
   let unique = name;
   for (let number = 2; taken.has(unique); ++number) unique = `${cut(name, MOST_NAME - 1 - String(number).length)}_${number}`;
@@ -26,8 +26,8 @@ function uniqueName(name: string, taken: Set<string>): string {
   return unique;
 }
 
-/** Returns the maximum number of bytes of a fragment's name, and the number of digits in the names of its hulls. The names of its hulls, colliders
- *  and sheets, which are longer, have at most 63 bytes. */
+/** Returns the maximum length of the fragments' names in bytes, and the number of digits in the names of hulls. The names of hulls,
+ *  colliders and sheets add a suffix to a fragment's name, and must not exceed 63 bytes. */
 function nameRoom(sources: Source[]): { room: number; digits: number } {
   const most = sources.reduce((sum, source) => Math.max(sum, hullsOf(source).length), 0), digits = Math.max(2, String(most - 1).length);
   const sheet = sources.some(({ glb, node }) => sheetNodeOf(glb, node) !== undefined) ? '_sheet'.length : 0;
@@ -36,7 +36,7 @@ function nameRoom(sources: Source[]): { room: number; digits: number } {
 
 const fractureOf = (node: GltfNode): Record<string, any> | undefined => node.extras?.['fracture'];
 
-/** Returns the merged GLB. Undefined if it would not match the certificate; the caller must then request the whole answer. */
+/** Returns the merged GLB; undefined if the files cannot be merged. The caller must then request the whole answer. */
 export function merge(before: Glb, changes: Glb): Uint8Array | undefined {
   const now = figuresOf(changes), was = figuresOf(before);
   if (!now.delta || now.levels || was.levels || now.mesh !== was.mesh) return undefined;
@@ -58,13 +58,13 @@ function sourcesOf(glb: Glb): Source[] {
   });
 }
 
-/** Returns all fragments by their first site, part and id. `left`: ids of the fragments that changed or are gone. */
+/** Returns all fragments in the server's order: by first site, then by part, then by id. `left`: ids of the fragments that changed or are gone. */
 function inOrder(before: Source[], after: Source[], left: ReadonlySet<number>): Source[] {
   const stay = before.filter(({ figures }) => !left.has(figures['id'] as number));
   return [...stay, ...after].sort(({ figures: a }, { figures: b }) => a['sites'][0] - b['sites'][0] || a['part'] - b['part'] || a['id'] - b['id']);
 }
 
-/** Returns the hull meshes of a fragment in the order of the nodes that refer to them, without duplicates. Its sheets are none. */
+/** Returns the hull meshes of a fragment in the order of the nodes that refer to them, without duplicates. Sheets are not hulls. */
 function hullsOf({ glb, node }: Source): number[] {
   const sheet = sheetNodeOf(glb, node);
   const nodes = [node, ...(node.children ?? []).filter(child => child !== sheet).map(child => glb.json.nodes![child]!)];
@@ -76,7 +76,8 @@ function hullsOf({ glb, node }: Source): number[] {
   }))];
 }
 
-/** Returns all bonds, sorted. Each goes from the earlier fragment to the later one. */
+/** Returns the bonds between unchanged fragments, and the bonds in the delta. They are sorted, and each goes from the earlier fragment
+ *  to the later one. */
 function bondsOfWhole(was: BondColumns, now: BondColumns, sources: Source[], left: ReadonlySet<number>): BondColumns {
   const place = new Map(sources.map(({ figures }, k) => [figures['id'] as number, k]));
   const rows: { a: number; b: number; area: number; centroid: Vector3; normal: Vector3; strength: number }[] = [];
@@ -99,7 +100,7 @@ function bondsOfWhole(was: BondColumns, now: BondColumns, sources: Source[], lef
   };
 }
 
-/** Returns the figures with the bonds between all fragments and uncut nodes. */
+/** Returns the figures with all bonds between fragments and uncut nodes. */
 function withWholeBonds({ whole_bonds: now, ...figures }: Figures, was: Figures, sources: Source[], left: ReadonlySet<number>): Figures {
   const place = new Map(sources.map(({ figures: { id } }, k) => [id as number, k])), before = was.whole_bonds;
   const rows = [before, now].flatMap(bonds => (bonds?.a ?? []).flatMap((id, k) => (bonds === before && left.has(id) ? [] : [{ bonds: bonds!, k, id }])));
@@ -141,7 +142,7 @@ function write(before: Glb, changes: Glb, now: Figures, sources: Source[], bonds
     return numbers.get(key);
   });
   const fragmentNodes: GltfNode[] = [], childNodes: GltfNode[] = [], shapes: unknown[] = [];
-  // Meshes: those of the fragments, the shapes that instances share, the hulls of both, then the sheets.
+  // The order of the meshes: fragments, shapes that instances share, hulls of both, sheets.
   const meshes: GltfMesh[] = [], hulls: { glb: Glb; mesh: GltfMesh }[] = [];
   const sheets: { glb: Glb; node: GltfNode; mesh: GltfMesh }[] = [];
   const firstOfShape: typeof hulls = [], sharedHulls: typeof hulls = [];
@@ -245,7 +246,7 @@ function write(before: Glb, changes: Glb, now: Figures, sources: Source[], bonds
     ],
     meshes,
   };
-  // A delta without fragments has no textures.
+  // These come from the earlier answer, because a delta without fragments has no textures.
   for (const member of ['materials', 'textures', 'samplers', 'images'] as const) {
     delete json[member];
     if (before.json[member]) json[member] = before.json[member];

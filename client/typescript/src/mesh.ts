@@ -1,4 +1,4 @@
-// A mesh that is stored on the server under its content key, and its fractures.
+// A mesh that is stored on the server under its digest, and its fractures.
 import type { Answer } from './answer.js';
 import { type Asset, formOf } from './asset.js';
 import type { Client } from './client.js';
@@ -8,17 +8,16 @@ import { localError } from './problems.js';
 import { type Parameters, parametersText } from './parameters.js';
 import { type Ask, type CallOptions, json, type Reply } from './transport.js';
 
-/** A change that the server offers, but makes only on request, because it changes what the mesh is. Fracture with its parameters to
- * get it. */
+/** A change that the server only offers, because it changes what the mesh is. To get it, fracture with its parameters. */
 export interface Choice {
   kind: 'unit' | 'room' | 'lid' | 'crack';
-  /** Values by the name of the parameter. */
+  /** Values by parameter name. */
   parameters: Record<string, number | string>;
   /** States what was found, and the effect of the parameters. */
   text: string;
 }
 
-/** An answer and its cost before it is computed. The numbers are usually within a factor of two. */
+/** An estimate of an answer and its cost. The numbers are usually correct within a factor of two. */
 export interface Estimate {
   sites: number;
   fragments: number;
@@ -33,7 +32,7 @@ export interface Estimate {
   fits: boolean;
   /** The parameter that takes most of the memory; null if the mesh itself does. */
   costliest: string | null;
-  /** If working_bytes is above limit_bytes: why, and what to change. */
+  /** If working_bytes exceeds limit_bytes: the reason, and what to change. Otherwise null. */
   advice: string | null;
 }
 
@@ -71,7 +70,7 @@ export class Mesh {
     return this.stored?.report;
   }
 
-  /** Changes that the server offers for this mesh. */
+  /** Changes that the server offers for this mesh, but makes only on request. */
   get choices(): readonly Choice[] {
     return (this.report?.['choices'] ?? []) as Choice[];
   }
@@ -87,7 +86,7 @@ export class Mesh {
     return this.client.answerOf(reply);
   }
 
-  /** Breaks the mesh and returns the data without the geometry. Throws FractureError. */
+  /** Breaks the mesh and returns only the data, not the geometry. Throws FractureError. */
   async figures(parameters: Parameters = {}, options: FractureOptions = {}): Promise<Figures> {
     return json<Figures>(await this.ask(parameters, options, { Accept: 'application/json' }));
   }
@@ -98,8 +97,8 @@ export class Mesh {
     return new TextDecoder().decode((await this.ask(parameters, options, { Accept: 'model/gltf+json' })).bytes);
   }
 
-  /** Starts a job: background work with its own deadline (30 minutes by default). `wait`: seconds to wait for an answer in the same
-   * request. Throws FractureError. */
+  /** Starts a job: background work with its own deadline (30 minutes by default). `wait`: maximum time (s) that the server
+   * waits for the answer before it responds. Throws FractureError. */
   async job(parameters: Parameters = {}, { wait, ...options }: CallOptions & { wait?: number } = {}): Promise<Job> {
     const prefer = wait === undefined ? 'respond-async' : `respond-async, wait=${wait}`;
     const reply = await this.ask(parameters, options, { Accept: 'model/gltf-binary', Prefer: prefer });

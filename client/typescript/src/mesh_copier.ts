@@ -1,5 +1,5 @@
-// Copies meshes from several files into one buffer: a bufferView for each attribute, each index width, and the merged vertices of
-// EXT_mesh_manifold, in order of first use. Images follow.
+// Copies meshes from several files into one buffer. Each attribute, each index width, and the merged vertices of EXT_mesh_manifold have
+// their own bufferView, in order of first use. Images follow.
 import { bytesPerComponent, type Glb, type Gltf, type GltfAccessor, type GltfMesh, widthOf } from './glb.js';
 
 interface View {

@@ -14,7 +14,7 @@ export const serverProblems = [
 /** The errors that this client itself reports. */
 export const localProblems = {
   'server-absent': 'No server answers at this address',
-  'timed-out': 'The whole response did not arrive in time',
+  'timed-out': 'The response did not arrive completely in time',
   'damaged-answer': 'The answer was damaged in transit',
   'answer-too-large': 'The answer is larger than this client accepts',
   'bad-argument': 'An argument of the call is wrong, so no request was sent',
@@ -54,16 +54,16 @@ export interface FractureErrorFields {
 export class FractureError extends Error {
   /** `/problems/bad-parameter` for an error from the server, `client:timed-out` for an error from this client. */
   readonly type: string;
-  /** The status of the HTTP response; 0 if there is none. */
+  /** The status of the HTTP response; 0 without a response. */
   readonly status: number;
-  /** The meaning of the type, for people. */
+  /** The meaning of the type in a few words. */
   readonly title: string;
-  /** The error in this request, including the wrong value and the limit, for people. */
+  /** The message about this request, including the wrong value and the limit. */
   readonly detail: string;
   /** The name of the wrong parameter, form part or argument. */
   readonly parameter: string | undefined;
-  /** The last segment of `type`, for programs. A newer server can send a name that is not listed. 'unknown' if the response is not a
-   * problem document but, for example, a proxy's page. */
+  /** The last segment of `type`, for programs. A newer server can send a name that is not in serverProblems. 'unknown' if
+   * the response is not a problem document but, for example, a proxy's page. */
   readonly problem: ServerProblem | LocalProblem | 'unknown' | (string & {});
   /** If the server is busy: seconds to wait before a retry. */
   readonly retryAfter: number | undefined;
@@ -92,7 +92,7 @@ export function localError(problem: LocalProblem, detail: string, more: Partial<
   return new FractureError({ type: `client:${problem}`, status: 0, title: localProblems[problem], detail, ...more });
 }
 
-const FOREIGN = ' without the problem document of a fracture server. Check the address: a proxy or another server may answer there.';
+const FOREIGN = 'has no problem document from a fracture server. Check the address: a proxy or another server may be answering there.';
 
 /** Returns the error for an unsuccessful response, which can be a proxy's page instead of a problem document. */
 export function problemOf(status: number, headers: Headers, bytes: Uint8Array, exchanges: number): FractureError {
@@ -109,7 +109,7 @@ export function problemOf(status: number, headers: Headers, bytes: Uint8Array, e
     type: type ?? 'about:blank',
     status,
     title: text(document.title) ?? `HTTP status ${status}`,
-    detail: text(document.detail) ?? `The response is HTTP ${status}${type ? ' without a description.' : FOREIGN}`,
+    detail: text(document.detail) ?? `The response (HTTP ${status}) ${type ? 'has no description.' : FOREIGN}`,
     parameter: text(document.parameter),
     retryAfter: retryAfter(headers),
     document: type === undefined ? undefined : (document as ProblemDocument),
@@ -123,7 +123,8 @@ export function problemIn(document: ProblemDocument): FractureError {
   return new FractureError({ type, status, title, detail, parameter, document });
 }
 
-/** Returns Retry-After in seconds (RFC 9110, section 10.2.3); undefined if it is a date, not a whole number, or more than a day. */
+/** Returns Retry-After in seconds (RFC 9110, section 10.2.3); undefined if it is not a whole number (a date, for example) or
+ * exceeds a day. */
 export function retryAfter(headers: Headers): number | undefined {
   const text = headers.get('retry-after')?.trim() ?? '';
   return /^\d{1,5}$/.test(text) && Number(text) <= 86400 ? Number(text) : undefined;

@@ -60,7 +60,7 @@ export function hex(bytes: Uint8Array): string {
   return text;
 }
 
-/** Returns whether a Repr-Digest (RFC 9530) contains the SHA-256 of these bytes. False for a field without sha-256. */
+/** Returns whether a Repr-Digest field (RFC 9530) contains the SHA-256 of these bytes. False if it has no sha-256. */
 export async function digestMatches(field: string, bytes: Uint8Array): Promise<boolean> {
   const named = /(?:^|,)\s*sha-256=:([A-Za-z0-9+/=]*):/.exec(field)?.[1];
   return named !== undefined && named === btoa(String.fromCharCode(...await sha256(bytes)));

@@ -19,7 +19,7 @@ export interface Settings {
   /** Maximum size of an answer in bytes. Default: 256 MiB. */
   maxAnswerBytes?: number;
   /** Whether answers may be compressed. A browser unpacks compressed answers, so the client cannot check their Repr-Digest, which covers
-   * the packed bytes. The client checks all other answers. Default: false. */
+   * the compressed bytes. The client checks all other answers. Default: false. */
   compressed?: boolean;
   /** Whether the platform can read a body while it arrives. If not, the client polls the progress of jobs. Default: detected. */
   streams?: boolean;
@@ -64,7 +64,7 @@ export function json<Document>({ bytes }: Reply): Document {
   return JSON.parse(new TextDecoder().decode(bytes)) as Document;
 }
 
-const FIRST_PAUSE = 50, LONGEST_PAUSE = 1000;  // ms before a retry if the server is absent or busy; the pause doubles
+const FIRST_PAUSE = 50, LONGEST_PAUSE = 1000;  // ms before a retry if the server is unreachable or busy; the pause doubles
 const DAMAGED_ANSWERS = 3;                     // a call fails after this many damaged answers
 const WRONG_SERVER = 'Check whether the address is that of a fracture server.';
 
@@ -154,8 +154,8 @@ export class Transport {
     }
   }
 
-  /** Sends a request without retries. Returns a response whose body is read while it arrives. The watch limits the time between two
-   * pieces of the body. */
+  /** Sends a request without retries. The caller reads the body of the response while it arrives. The watch limits the time between
+   * two pieces of the body. */
   async stream(operation: OperationId, ask: Ask, idle: number): Promise<{ response: Response; watch: Watch }> {
     const watch = new Watch(ask.signal, idle);
     try {
@@ -263,7 +263,7 @@ async function readBody(response: Response, watch: Watch, limit: number): Promis
   return size === bytes.length ? bytes : bytes.slice(0, size);
 }
 
-/** Returns what is wrong with an answer; undefined if nothing is. */
+/** Returns a description of an answer's damage; undefined if the answer is intact. */
 async function damage({ status, headers, bytes }: Reply, digest: boolean, json: boolean): Promise<string | undefined> {
   if (json) {
     try {

@@ -1,4 +1,4 @@
-// The rotation and uniform scale of a whole instance's node (parameter instances=keep).
+// The rotation and uniform scale of the node of an unbroken instance (parameter instances=keep).
 import type { Motion } from './fragments.js';
 import type { GltfNode, TypedArray, Vector3 } from './glb.js';
 
@@ -12,7 +12,7 @@ const rotate = ([x, y, z, w]: Quaternion, [a, b, c]: Vector3): Vector3 => {
 export class Turn {
   constructor(readonly rotation: Quaternion, readonly scale: number) {}
 
-  /** A copy of an attribute's array in the directions of the mesh's axes. Positions are scaled, too; texture coordinates and colours stay. */
+  /** Returns a rotated copy of positions, normals or tangents. Positions are also scaled. Other attributes do not change. */
   attribute(name: string, values: TypedArray): TypedArray {
     const width = name === 'TANGENT' ? 4 : 3, scale = name === 'POSITION' ? this.scale : 1;
     if (!['POSITION', 'NORMAL', 'TANGENT'].includes(name)) return values;

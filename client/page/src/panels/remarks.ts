@@ -4,7 +4,7 @@ import { html, nothing, type TemplateResult } from 'lit';
 import type { Shown } from '../app/state';
 import { words } from '../words/words';
 
-/** Draws warnings, which are always visible, and collapsed lists of dropped things and of notes. */
+/** Draws warnings, which are always visible, and collapsed lists of dropped items and of notes. */
 export function remarkLists(warnings: readonly string[], notes: readonly string[], dropped: readonly Dropped[] = []): TemplateResult {
   const list = (texts: readonly string[]) => html`<ul class="notes">${texts.map(text => html`<li>${text}</li>`)}</ul>`;
   const collapsed = (title: string, texts: readonly string[]) => texts.length === 0 ? nothing

@@ -1,5 +1,5 @@
-// A link that restores what is shown: the request, and the mesh by its content key. Both are after the #, in the part that browsers do
-// not send to servers.
+// A link that restores the current view: it contains the request and the digest of the mesh. Both follow the #, because browsers do not
+// send that part to servers.
 import type { App } from '../app/app';
 import type { Wish } from '../state/request';
 

@@ -1,13 +1,13 @@
 // The bonds that a blow breaks, and the groups that stay together.
 //
-// A bond is a spring that breaks when it has stretched by `give` metres. Its tension is then `strength` (N), which in the file is
-// bond_strength times the area. By then the bond has absorbed ½ · strength · give joules. The energy of a blow is that of a collision without
-// a bounce: J² / 2μ, where J is the impulse and μ the reduced mass of the two bodies. The blow breaks the nearest bonds until its energy is
-// used up. This is a model for games: forces do not travel through the group, and slow loads break nothing.
+// A bond is a spring that breaks when it has stretched by `give` metres. Its tension is then `strength` (N), which the server computes as
+// bond_strength times the bond's area. By then the bond has absorbed ½ · strength · give joules. The energy of a blow is that of a
+// collision without a bounce: J² / 2μ, where J is the impulse and μ the reduced mass of the two bodies. The blow breaks the nearest bonds
+// until its energy is used up. This is a model for games: forces do not travel through the group, and slow loads break nothing.
 import type { Bond } from '../fragments.js';
 import { length, sub, type Vec3 } from './mass.js';
 
-/** Default stretch of a bond before it breaks (m). With a bond_strength of 5 MPa, 1 m² absorbs 250 J, about the fracture energy
+/** Default stretch at which a bond breaks (m). With a bond_strength of 5 MPa, 1 m² absorbs 250 J, about the fracture energy
  * of rock. */
 export const GIVE = 1e-4;
 

@@ -13,7 +13,7 @@ import type { Vec3 } from './mass.js';
 import { type PieceOptions, Pieces, type Pose, type World } from './pieces.js';
 import type { RapierBody } from './rapier.js';
 
-/** Your own body and its drawn object. The body's frame is the mesh's frame, unless `origin` places it elsewhere in the mesh's frame. */
+/** Your own body and its drawn object. `origin`: the origin of the body's frame, in the mesh's frame (m). Default: [0, 0, 0]. */
 export interface OwnBody {
   body: RapierBody;
   object3D: Object3D;

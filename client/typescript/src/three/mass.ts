@@ -100,7 +100,7 @@ export function principalAxes(inertia: Mat3): { moments: Vec3; axes: Quat } {
     if (Math.abs(value) <= 1e-16 * (Math.abs(m[0]) + Math.abs(m[4]) + Math.abs(m[8]))) break;
     const angle = 0.5 * Math.atan2(2 * value, m[4 * p]! - m[4 * q]!);
     const axis: Vec3 = [0, 0, 0], third = 3 - p - q;
-    axis[third] = (q - p === 2 ? -1 : 1) * Math.sin(angle / 2);  // from p to q: against the third axis for x to z
+    axis[third] = (q - p === 2 ? -1 : 1) * Math.sin(angle / 2);  // rotates p towards q; from x to z, this is negative about y
     axes = multiply(axes, [...axis, Math.cos(angle / 2)]);
     m = product(product(transposed(matrixOf(axes)), inertia), matrixOf(axes));
   }

@@ -59,10 +59,10 @@ class SharedBuffers {
   }
 }
 
-/** Returns one three.js mesh per fragment, at its position in the mesh's frame. `userData.fragment` is the fragment's id. The sheets
- * that a fragment carries are a mesh below its own, with the same id. The
- * geometries share buffers: dispose of all or none, and copy a geometry (toNonIndexed) before you edit it. `pieces`: other parts of
- * the answer, such as answer.passedThrough. Throws FractureError (bad-argument) for a modified GLB. */
+/** Returns one three.js mesh per fragment, at its position in the mesh's frame. `userData.fragment` is the fragment's id. If a
+ * fragment carries sheets, its mesh has a child mesh that contains them and has the same id. The geometries share buffers: dispose of
+ * all or none, and copy a geometry (toNonIndexed) before you edit it. `pieces`: the parts to return instead of all fragments, such as
+ * answer.passedThrough. Throws FractureError (bad-argument) for a modified GLB. */
 export function meshesOf(answer: Answer, materials: readonly Material[], pieces: readonly Piece[] = answer.fragments): Mesh[] {
   const buffers = new SharedBuffers(answer.document);
   const flat = new Map<Material, Material>();  // for surfaces without normals, because glTF shades their triangles flat

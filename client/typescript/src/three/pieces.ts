@@ -39,7 +39,7 @@ export interface Pose {
 export interface SwapRecord {
   before: Momentum;
   after: Momentum;
-  /** True if the old body was fixed or a new one is anchored, so that the ground absorbed momentum. */
+  /** True if the old body was fixed or a new one is anchored. The ground then absorbed momentum. */
   held: boolean;
   /** Number of new bodies. */
   bodies: number;
@@ -103,7 +103,7 @@ export class Pieces {
   momentum(about?: Vec3): Momentum {
     return momentumOf(this.rigidBodies.filter(rigid => rigid.isDynamic()).map(movingBody), about);
   }
-  /** Converts a point on a fragment from world space to the mesh's frame before anything moved, because hits use this frame. Throws
+  /** Converts a point on a fragment from world space to the point's original place in the mesh's frame, which Answer.hit() needs. Throws
    * FractureError (bad-argument) for an unknown id. */
   pointOf(id: number, point: Vec3): Vec3 {
     const body = this.bodyOfMember.get(this.indexOf.get(id) ?? -1);
@@ -146,7 +146,7 @@ export class Pieces {
     }
   }
 
-  /** Breaks bonds according to a step's contacts, and separates the groups that they held together. Call it after onContact().
+  /** Breaks bonds according to the contacts of a step, and separates groups that no longer hold together. Call it after onContact().
    * Returns the number of broken bonds. */
   breakBonds(): number {
     const blows = this.blows;
