@@ -104,8 +104,9 @@ class Api {
   bool ready() const { return !draining() && !waits_for_folder(); }
   /// Returns the refusal for a reservation that could not grow.
   Problem no_memory(const MemoryBudget::Reservation& reservation) const;
-  /// Counts an answer's bytes as held by this client (client_of() its address) until `hold`, which must be
-  /// empty, is destroyed. Returns the refusal if there is no memory for them. Small answers are not counted.
+  /// Counts an answer's bytes as held by this client (client_of() its address) until `hold` is destroyed.
+  /// `hold` must be empty. Returns a refusal if the client may not hold that much. Small answers are not
+  /// counted.
   std::optional<Problem> hold_answer(const std::string& address, const void* owner, std::uint64_t bytes,
                                      HeldBuffers::Hold& hold);
   ClientShares& bodies() { return bodies_; }

@@ -102,7 +102,7 @@ Answered Api::put_mesh(const std::shared_ptr<Request>& request, const std::stop_
                              return store(*request, *asked, describe(*asked, *prepared, meshes_.config()),
                                           *body, execution);
                            });
-          // The step does not keep the solid in memory, because nobody would count it.
+          // The step keeps the description and not the solid, because a solid that waits here is not counted.
           const MeshDescription description = describe(*asked, *prepared, meshes_.config());
           const bool copies = is_kept_as_copy(*asked, body->bytes.capacity());
           if (size <= kBytesBetweenPolls || (!copies && !meshes_.has(asked->digest)))

@@ -137,7 +137,7 @@ bool Compressions::passes(Attempts& attempts, const std::shared_ptr<Waiter>& wai
   if (has_begun(attempts, *waiter)) return true;
   try {
     look_later(waiter, attempts.latest + waiter->patience);
-  } catch (const std::exception&) {  // nobody else may queue it then
+  } catch (const std::exception&) {  // without a timer, nothing would queue it again
     attempts.passed.pop_back();
     throw;
   }

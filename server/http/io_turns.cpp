@@ -72,7 +72,7 @@ void IoTurns::free_later() noexcept {
   const std::uint64_t since = ended_.load(std::memory_order_relaxed);
   try {
     later_([this, since] { free_one(since); });
-  } catch (const std::exception& e) {  // no memory: free it now, so that nobody waits in vain
+  } catch (const std::exception& e) {  // no memory: the thread is freed now, because waiting requests need it
     spdlog::error("the turn of a request ended early: {}", e.what());
     try {
       free_one(since);

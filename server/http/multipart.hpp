@@ -22,10 +22,11 @@ struct FormPart {
 /// if the boundary is missing or malformed (RFC 2046: 1 to 70 characters).
 std::optional<std::string> multipart_boundary(std::string_view content_type);
 
-/// Limits: kMaxParts parts, kMaxPartHeader bytes in the header of each part, and kMaxAround bytes before the
-/// first and after the last boundary, which are ignored (RFC 2046, section 5.1.1). Refusals are
-/// kMalformedMultipart. `boundary`: from multipart_boundary(). The time is linear in the body, whatever it contains, and the first
-/// boundary is only looked for where it may be. Polls once per kBytesBetweenPolls. Throws Interrupted.
+/// Limits: kMaxParts parts, and kMaxPartHeader bytes in the header of each part. Up to kMaxAround bytes before
+/// the first boundary and after the last one are ignored (RFC 2046, section 5.1.1). Refusals are
+/// kMalformedMultipart. `boundary`: from multipart_boundary(). The time is linear in the body, whatever it
+/// contains. The search for the first boundary ends after kMaxAround bytes. Polls once per kBytesBetweenPolls.
+/// Throws Interrupted.
 inline constexpr std::size_t kMaxAround = 4096;
 inline constexpr std::size_t kMaxParts = 256;
 inline constexpr std::size_t kMaxPartHeader = 4096;

@@ -20,7 +20,7 @@ struct StreamTarget {
   std::function<bool()> allowed;   ///< false if the reader lost its permission: the stream is cut off
 };
 
-/// Writes the stream until it ends, the server is draining, or the reader is no longer allowed to read. The
+/// Writes the stream. It ends early if the server is draining, or if the reader has lost its permission. The
 /// data is sent in chunks or, for HTTP/1.0, unframed, and the answer then ends with the connection. Returns false
 /// if the client is gone, reads too slowly or lost its permission; the answer is then left without its end.
 asio::awaitable<bool> write_stream(const StreamTarget& target, const Response& response,

@@ -117,7 +117,7 @@ class JobFolder {
     std::map<std::string, std::size_t> needed;  ///< number of jobs per owner that need it
   };
 
-  /// A mesh file that is no longer needed, under a temporary name. Its bytes count until it is deleted.
+  /// A mesh file to delete, under a temporary name. Its bytes count until it is deleted.
   struct Unneeded {
     std::string path;  ///< empty: nothing to delete
     std::uint64_t bytes = 0;

@@ -83,8 +83,9 @@ class Jobs {
   std::optional<Error> start(FractureRequest request, Terms terms, const Owner& owner,
                              std::function<void(const JobView&)> accepted);
 
-  /// Returns the terms for an owner's jobs: whom they are charged to, and who is told of their answers. If there
-  /// is no account, a job is charged to the client in its record; the returned flow is for records without one.
+  /// Returns the terms for an owner's jobs: the account that pays, and the receiver of their answers. Without an
+  /// account, a job is charged to the client in its record. If the record has none either, the returned flow
+  /// pays.
   using TermsOf = std::function<Terms(const std::string& owner)>;
   /// Starts computing the jobs from the folder, a few at a time. `terms_of` is called from any thread, but
   /// not after stop(). `known` is called for each job that was already done, now or in take_folder(), because

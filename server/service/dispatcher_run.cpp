@@ -22,7 +22,7 @@ struct Dispatcher::Errand : std::enable_shared_from_this<Errand> {
     if (decided.exchange(true)) return;
     if (!terms.passes) ++dispatcher.abandoned_;
     if (code == ErrorCode::kDeadlineExceeded) ++dispatcher.expired_;
-    withdraw();  // if its turn has just come, it finds that nobody waits
+    withdraw();  // if its turn has just come, it ends at once, because `decided` is set
     share = {};
     job = nullptr;
     dispatcher.line_.given_back();  // removes it from the line if it waits for memory

@@ -4,9 +4,10 @@
 
 #include <cstdint>
 #include <random>
-#include <stop_token>
 #include <string>
 #include <vector>
+
+#include "tests/support/polls.hpp"
 
 namespace fracture {
 namespace {
@@ -17,12 +18,10 @@ constexpr std::size_t kMiB = std::size_t{1} << 20;
 
 /// Polls of a search for all places of the sequence.
 int polls_of(std::string_view text, std::string_view wanted) {
-  int polls = 0;
-  Execution execution;
-  execution.watch = [&polls] { ++polls; };
-  PolledSearch search(text, wanted, execution);
+  test::Polls polls;
+  PolledSearch search(text, wanted, polls.execution);
   for (std::size_t at = search.find(0); at != PolledSearch::kNone; at = search.find(at + 1)) continue;
-  return polls;
+  return polls.count;
 }
 
 TEST(PolledSearch, FindsEachPlaceThatFindFinds) {
@@ -70,16 +69,10 @@ TEST(PolledSearch, DoesNotPollForEachPlace) {
 
 TEST(PolledSearch, IsGivenUpHalfWay) {
   const std::string text(8 * kMiB, '\r');
-  std::stop_source stop;
-  int polls = 0;
-  Execution execution;
-  execution.stop = stop.get_token();
-  execution.watch = [&] {
-    if (++polls == 5) stop.request_stop();
-  };
-  PolledSearch search(text, "\r\n", execution);
+  test::Polls polls(5);
+  PolledSearch search(text, "\r\n", polls.execution);
   EXPECT_THROW(search.find(0), Interrupted);
-  EXPECT_EQ(polls, 5);
+  EXPECT_EQ(polls.count, 5);
 }
 
 TEST(AppendWithPolls, CopiesAndPolls) {

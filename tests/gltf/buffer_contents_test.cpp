@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <deque>
 #include <span>
-#include <stop_token>
 #include <vector>
 
 #include "common/gltf/vertex_data.hpp"
+#include "tests/support/polls.hpp"
 
 namespace fracture::test {
 namespace {
@@ -74,15 +74,9 @@ TEST(BufferContents, WritingCanBeInterruptedInTheMiddleOfAPiece) {
   BufferContents contents;
   const std::vector<std::uint8_t> bytes(8u << 20, 7);
   contents.put<write_bytes>(contents.view("a", 0, 0), bytes.size(), bytes.front());
-  std::stop_source source;
-  int polls = 0;
-  Execution execution;
-  execution.stop = source.get_token();
-  execution.watch = [&] {
-    if (++polls == 5) source.request_stop();
-  };
+  Polls polls(5);
   std::vector<std::uint8_t> buffer(contents.size());
-  EXPECT_THROW(contents.write(buffer.data(), execution), Interrupted);
+  EXPECT_THROW(contents.write(buffer.data(), polls.execution), Interrupted);
   EXPECT_EQ(buffer.front(), 7);
   EXPECT_EQ(buffer.back(), 0);
 }

@@ -296,7 +296,7 @@ TEST_F(BakeRunTest, AFolderThatCannotBeWrittenToIsFoundBeforeAnythingIsMade) {
   options.previews = &previews;
   plan.jobs.front().picture = folder / "file/a.png";
   EXPECT_EQ(run_bake(plan, baker, options, {}).unwritable, 1u) << "a picture is asked for too";
-  options.no_pictures = "There is no renderer.";
+  options.no_pictures = "The renderer is missing.";
   EXPECT_TRUE(run_bake(plan, baker, options, {}).begun) << "no picture is drawn";
   EXPECT_EQ(static_cast<std::size_t>(baker.asked), plan.jobs.size());
   for (const auto& entry : fs::recursive_directory_iterator(folder.path))

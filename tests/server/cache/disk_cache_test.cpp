@@ -10,12 +10,12 @@
 #include <fstream>
 #include <iterator>
 #include <memory>
-#include <stop_token>
 #include <string>
 
 #include "tests/server/support/disk_entries.hpp"
 #include "tests/server/support/odd_files.hpp"
 #include "tests/server/support/temporary_folder.hpp"
+#include "tests/support/polls.hpp"
 
 namespace fracture {
 namespace {
@@ -98,20 +98,14 @@ TEST_F(Disk, ReadingALargeEntryPolls) {
   constexpr std::size_t kSize = std::size_t{8} << 20;
   DiskCache cache(path, 100u << 20, *FarmKeys::parse(std::string(64, 'k')), 1);
   ASSERT_TRUE(insert(cache, 1, kSize));
-  int polls = 0;
-  Execution execution;
-  execution.watch = [&polls] { ++polls; };
-  const auto stored = cache.find(key_of(1), execution);
+  test::Polls polls;
+  const auto stored = cache.find(key_of(1), polls.execution);
   ASSERT_TRUE(stored);
   EXPECT_EQ(stored->entry.payload.size(), kSize);
-  EXPECT_GE(polls, 3 * 32);
+  EXPECT_GE(polls.count, 3 * 32);
 
-  std::stop_source stop;
-  execution.stop = stop.get_token();
-  execution.watch = [&] {
-    if (--polls == 0) stop.request_stop();
-  };
-  EXPECT_THROW(cache.find(key_of(1), execution), Interrupted);
+  test::Polls stopped(polls.count);
+  EXPECT_THROW(cache.find(key_of(1), stopped.execution), Interrupted);
   EXPECT_TRUE(finds(cache, 1)) << "an interruption says nothing about the entry";
 }
 

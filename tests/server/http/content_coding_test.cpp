@@ -14,6 +14,7 @@
 #include "tests/server/support/test_server.hpp"
 #include "tests/support/eventually.hpp"
 #include "tests/support/peak_memory.hpp"
+#include "tests/support/polls.hpp"
 
 namespace fracture::test {
 namespace {
@@ -87,15 +88,9 @@ TEST(AnswerCoding, PollsAndMakesTheBytesOfOnePiece) {
 TEST(AnswerCoding, IsGivenUpHalfWay) {
   const std::vector<std::uint8_t> body = compressible(5 << 20);
   for (const http::ContentCoding coding : {http::ContentCoding::kGzip, http::ContentCoding::kZstd}) {
-    std::stop_source stop;
-    int polls = 0;
-    Execution execution;
-    execution.stop = stop.get_token();
-    execution.watch = [&] {
-      if (++polls == 10) stop.request_stop();
-    };
-    EXPECT_THROW(http::encode_body(body, coding, execution), Interrupted);
-    EXPECT_EQ(polls, 10);
+    Polls polls(10);
+    EXPECT_THROW(http::encode_body(body, coding, polls.execution), Interrupted);
+    EXPECT_EQ(polls.count, 10);
   }
 }
 

@@ -1,12 +1,12 @@
 // How often the passes over a form poll: a pass that does not would keep the thread from other clients.
 #include <gtest/gtest.h>
 
-#include <stop_token>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "server/http/multipart.hpp"
+#include "tests/support/polls.hpp"
 
 namespace fracture::http {
 namespace {
@@ -19,11 +19,9 @@ struct Counted {
 };
 
 Counted parsed(const std::string& form, const std::string& boundary = "b") {
-  int polls = 0;
-  Execution execution;
-  execution.watch = [&polls] { ++polls; };
-  auto parts = parse_multipart(form, boundary, execution);
-  return {std::move(parts), polls};
+  test::Polls polls;
+  auto parts = parse_multipart(form, boundary, polls.execution);
+  return {std::move(parts), polls.count};
 }
 
 std::string form_of(const std::string& mesh) {
@@ -60,15 +58,9 @@ TEST(MultipartPolls, ThePreambleHasALimit) {
 
 TEST(MultipartPolls, AFormIsGivenUpHalfWay) {
   const std::string form = form_of(std::string(8 * kMiB, '\r'));
-  std::stop_source stop;
-  int polls = 0;
-  Execution execution;
-  execution.stop = stop.get_token();
-  execution.watch = [&] {
-    if (++polls == 10) stop.request_stop();
-  };
-  EXPECT_THROW((void)parse_multipart(form, "b", execution), Interrupted);
-  EXPECT_EQ(polls, 10);
+  test::Polls polls(10);
+  EXPECT_THROW((void)parse_multipart(form, "b", polls.execution), Interrupted);
+  EXPECT_EQ(polls.count, 10);
 }
 
 }  // namespace

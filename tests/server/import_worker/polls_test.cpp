@@ -6,31 +6,16 @@
 #include <algorithm>
 #include <cstdint>
 #include <memory>
-#include <stop_token>
 #include <utility>
 #include <vector>
 
 #include "common/mesh/material_library.hpp"
 #include "server/import_worker/mesh_codec.hpp"
 #include "server/import_worker/shared_memory.hpp"
+#include "tests/support/polls.hpp"
 
 namespace fracture::test {
 namespace {
-
-struct Polls {
-  Polls() {
-    execution.watch = [this] {
-      if (++count == stop_at) stop.request_stop();
-    };
-    execution.stop = stop.get_token();
-  }
-  Polls(const Polls&) = delete;
-  Polls& operator=(const Polls&) = delete;
-
-  std::stop_source stop;
-  Execution execution;
-  int count = 0, stop_at = 0;
-};
 
 Mesh mesh_of(std::size_t triangles) {
   Mesh mesh;

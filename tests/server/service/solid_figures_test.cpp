@@ -5,13 +5,13 @@
 
 #include <cmath>
 #include <memory>
-#include <stop_token>
 #include <vector>
 
 #include "common/contacts/contacts.hpp"
 #include "common/pipeline/part_sets.hpp"
 #include "server/service/admission.hpp"
 #include "server/service/estimate.hpp"
+#include "tests/support/polls.hpp"
 #include "tests/support/shapes.hpp"
 #include "tests/support/solids.hpp"
 
@@ -121,22 +121,13 @@ TEST(SolidFigures, EstimatesThatShareThemAreTheSame) {
     }
 }
 
-/// Counts polls, which come after every 8192 steps.
-struct Polls {
-  int count = 0;
-  Execution execution;
-  Polls() {
-    execution.watch = [this] { ++count; };
-  }
-};
-
 // Each evaluation looked at each pair of a part and a hit, and a search for the largest count makes dozens of evaluations.
 TEST(SolidFigures, PartsAreLookedAtOnceForEachHit) {
   const Solid solid = solid_of(slab_with_cubes(20));
   FractureParameters parameters;
   parameters.rest = LocalRest::kFractured;
   for (int k = 0; k < 64; ++k) parameters.hits.push_back({{0.01 * k, 0.1, 0}, 0.3, 30});
-  Polls polls;
+  Polls polls;  // after every 8192 steps
   const SolidFigures figures(solid, polls.execution);
   expected_working_bytes(parameters, figures);
   const int first = polls.count;
@@ -149,14 +140,12 @@ TEST(SolidFigures, AnEstimateCanBeStopped) {
   const Solid solid = solid_of(slab_with_cubes(20));
   RequestParameters asked;
   for (int k = 0; k < 64; ++k) asked.fracture.hits.push_back({{0.01 * k, 0.1, 0}, 0.3, 30});
-  std::stop_source gone;
-  gone.request_stop();
-  Execution execution;
-  execution.stop = gone.get_token();
-  EXPECT_THROW(estimate_document(asked, {solid, execution}, 1u << 30), Interrupted);
+  Polls polls;
+  polls.stop.request_stop();
+  EXPECT_THROW(estimate_document(asked, {solid, polls.execution}, 1u << 30), Interrupted);
 }
 
-// The parameters are no longer copied for each entry.
+// The entries share one copy of the parameters. The numbers are those of a copy for each entry.
 TEST(SolidFigures, EntriesOfAssignCountAsBefore) {
   const Solid solid = solid_of(cube(4));
   FractureParameters parameters;
