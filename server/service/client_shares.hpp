@@ -32,14 +32,22 @@ class ClientShares {
   }
   /// Returns the verdict that a new reservation of this size would get now.
   MemoryBudget::Verdict judge(const std::string& client, std::uint64_t bytes,
-                              MemoryBudget::Use use = MemoryBudget::Use::kWaitedFor) {
-    return whole_.judge(has_share(client) ? of(client).get() : nullptr, bytes, use);
+                              MemoryBudget::Use use = MemoryBudget::Use::kWaitedFor,
+                              MemoryBudget::Limit limit = MemoryBudget::Limit::kUsual) {
+    return whole_.judge(has_share(client) ? of(client).get() : nullptr, bytes, use, limit);
   }
 
   /// Returns whether this client has a share and holds none of it now, apart from small reservations.
   bool is_newcomer(const std::string& client) {
     return has_share(client) && whole_.held_by(*of(client)) == 0;
   }
+
+  /// Returns the bytes that this client holds in large reservations.
+  std::uint64_t held_by(const std::string& client) {
+    return has_share(client) ? whole_.held_by(*of(client)) : 0;
+  }
+  /// Returns this client's even part of the memory for large reservations (MemoryBudget::even_part).
+  std::uint64_t even_part(const std::string& client) { return whole_.even_part(*of(client)); }
 
   MemoryBudget& whole() { return whole_; }
   const MemoryBudget& whole() const { return whole_; }

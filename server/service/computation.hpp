@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <cstdint>
 #include <exception>
 #include <functional>
 #include <memory>
@@ -13,10 +14,10 @@
 #include <utility>
 
 #include "common/base/processor_time.hpp"
-#include "server/service/background_memory.hpp"
 #include "server/service/computation_allowance.hpp"
 #include "server/service/dispatcher.hpp"
 #include "server/service/leave_early.hpp"
+#include "server/service/memory_holders.hpp"
 
 namespace fracture {
 
@@ -150,7 +151,10 @@ bool Dispatcher::has_memory(const std::shared_ptr<Work>& work, const std::string
                           return true;
                         });
                         if (!queued) failed(queued.error());
-                      }});
+                      },
+                  .again = work->times_given_up() > 0,
+                  .stood_still = work->has_stood_still()});
+  if (!memory) watch_line();
   if (memory) work->hold(std::move(*memory));
   return memory.has_value();
 }
@@ -161,6 +165,12 @@ struct Dispatcher::Computation : std::enable_shared_from_this<Computation> {
   /// Frees the memory, however the computation ended.
   ~Computation() { give_back(); }
 
+  /// Others need its memory. kInBackground: they need it as long as the computation is background work.
+  enum class GivenUp : std::uint8_t { kNo, kInBackground, kYes };
+  /// A computation that a client waits for begins again so often. After that, the client gets the error. So the wasted work is
+  /// bounded, and others never have to wait for a computation that holds more than its client's part.
+  static constexpr int kMostBegunAgain = 3;
+
   Dispatcher& dispatcher;
   FractureRequest request{};
   RequestKeys keys{};
@@ -169,13 +179,17 @@ struct Dispatcher::Computation : std::enable_shared_from_this<Computation> {
   bool is_provisional = false;                    ///< the cost was estimated without the mesh, which is known
   Priority origin = Priority::kBackground;        ///< class of the leader
   std::optional<ComputationAllowance> working{};  ///< empty: it waits for its turn, or for memory
-  std::optional<BackgroundMemory::Id> in_background{};
+  std::optional<MemoryHolders::Id> holder{};      ///< set together with `working`
+  std::atomic<std::uint64_t> held_bytes{0};
   std::shared_ptr<ResultFlights::Flight> flight{};
   Clock::time_point submitted = Clock::now(), begun{};
-  std::atomic<bool> given_up{false};  ///< others need its memory
+  std::atomic<GivenUp> given_up{GivenUp::kNo};
+  std::atomic<bool> stood_still{false};  ///< it was given up for this reason the last time
+  std::atomic<int> begun_again{0};       ///< how often it was given up and began again
   std::mutex of_leave_part{};
   /// Stops waiting for a part. Returns false if it does not wait for one.
   std::function<bool()> leave_part{};
+  bool has_file = true;      ///< the request still has the mesh's file
   bool tried_again = false;  ///< a part that failed must not be computed again
   double busy_seconds = 0;
   FractureAnswer answer{};
@@ -189,8 +203,22 @@ struct Dispatcher::Computation : std::enable_shared_from_this<Computation> {
   }
   bool abandoned() const { return flight->stop().stop_requested(); }
   bool was_given_up() const {
-    return given_up && flight->common.urgency.priority_of_task() == Priority::kBackground;
+    const GivenUp state = given_up;
+    return state == GivenUp::kYes || (state == GivenUp::kInBackground && is_background());
   }
+  bool is_background() const { return flight->common.urgency.priority_of_task() == Priority::kBackground; }
+  int times_given_up() const { return begun_again; }
+  bool has_stood_still() const { return stood_still; }
+  /// Returns whether it ended with this error only because others needed its memory, and begins again. This includes a job
+  /// for which a client began to wait just then. A job that nobody waits for is begun again outside the dispatcher.
+  bool begins_again_after(const Error& error) const {
+    const bool crowded_out =
+        error.code == ErrorCode::kOverloaded || error.code == ErrorCode::kOverShare ||
+        error.code == ErrorCode::kOutOfMemory;  // it may have needed more before it ended
+    return crowded_out && given_up != GivenUp::kNo && !is_background() && !abandoned() &&
+           begun_again < kMostBegunAgain && can_begin_again();
+  }
+  bool can_begin_again() const { return has_file || dispatcher.service_.peek_mesh(keys); }
   Execution execution(int threads, std::stop_token stop) {
     Execution e;
     e.threads = threads;
@@ -203,22 +231,35 @@ struct Dispatcher::Computation : std::enable_shared_from_this<Computation> {
   }
   void hold(MemoryBudget::Reservation memory) {
     const std::string client = flight->common.urgency.turn().name;
-    if (memory.use() == MemoryBudget::Use::kBackground)
-      in_background = dispatcher.background_.add({client, memory.bytes(), [this] { return give_up(); }});
-    working.emplace(dispatcher.working_.whole(), std::move(memory), dispatcher.make_room_for(client));
+    held_bytes = memory.bytes();
+    holder = dispatcher.holders_.add(
+        {.client = client,
+         .bytes = [this] { return held_bytes.load(); },
+         .may_give_up = [this](MemoryHolders::Why why) { return may_give_up(why); },
+         .give_up = [this](MemoryHolders::Why why) { give_up(why); },
+         .urgency = [this] { return static_cast<int>(flight->common.urgency.priority_of_task()); },
+         .begun_again = begun_again});
+    working.emplace(dispatcher.working_.whole(), std::move(memory), dispatcher.make_room_for(client),
+                    &held_bytes);
   }
-  /// See BackgroundMemory::Holder. The caller holds the lock of BackgroundMemory.
-  bool give_up() {
+  /// See MemoryHolders::Holder. The caller holds the lock of MemoryHolders.
+  bool may_give_up(MemoryHolders::Why why) const {
+    if (why == MemoryHolders::Why::kBackground) return is_background();
+    if (dispatcher.working_.whole().is_small(held_bytes)) return false;  // it would not help
     const Urgency& urgency = flight->common.urgency;
-    given_up = urgency.priority_of_task() == Priority::kBackground;
-    if (!given_up) return false;
-    dispatcher.pool_.give_up(urgency.task());
+    return why == MemoryHolders::Why::kOverPart ? !urgency.computes_for_others() : urgency.stands_still();
+  }
+  void give_up(MemoryHolders::Why why) {
+    const bool in_background = why == MemoryHolders::Why::kBackground;
+    stood_still = why == MemoryHolders::Why::kStandsStill;
+    given_up = in_background ? GivenUp::kInBackground : GivenUp::kYes;
+    dispatcher.pool_.give_up(flight->common.urgency.task(),
+                             in_background ? Priority::kBackground : Priority::kRealtime);
     // If it does not run, it is queued or waits for a part, or will soon. Ending it gives memory back, which takes the same
     // lock, so the timer does it later.
     dispatcher.timer_.at(Clock::now(), [weak = weak_from_this()] {
       if (const Shared c = weak.lock()) c->dispatcher.end_if_given_up(c);
     });
-    return true;
   }
   void waits_by(std::function<bool()> leave) {
     const std::lock_guard lock(of_leave_part);
@@ -233,9 +274,9 @@ struct Dispatcher::Computation : std::enable_shared_from_this<Computation> {
     return leave && leave();
   }
   void give_back() {
-    if (!working) return;
+    if (!working && !holder) return;
     working.reset();
-    if (in_background) dispatcher.background_.remove(*std::exchange(in_background, std::nullopt));
+    if (holder) dispatcher.holders_.remove(*std::exchange(holder, std::nullopt));
     dispatcher.line_.given_back();
   }
   /// Charges all clients that are waiting for it.
@@ -245,5 +286,14 @@ struct Dispatcher::Computation : std::enable_shared_from_this<Computation> {
     return [c](double seconds) { c->pay(seconds); };
   }
 };
+
+template <class Station>
+void Dispatcher::at_station(const Shared& c, Station station) {
+  const auto passed = guarded([&]() -> Expected<bool> {
+    station();
+    return true;
+  });
+  if (!passed) end(c, tl::unexpected<Error>(passed.error()));
+}
 
 }  // namespace fracture

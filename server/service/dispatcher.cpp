@@ -210,15 +210,6 @@ void Dispatcher::obtain(SingleFlight<Step<Value>, Urgency>& flights, const std::
   (this->*next)(c, made, threads);
 }
 
-template <class Station>
-void Dispatcher::at_station(const Shared& c, Station station) {
-  const auto passed = guarded([&]() -> Expected<bool> {
-    station();
-    return true;
-  });
-  if (!passed) end(c, tl::unexpected<Error>(passed.error()));
-}
-
 void Dispatcher::begin(const Shared& c, int threads) {
   if (c->abandoned()) return;
   if (c->was_given_up()) return end(c, tl::unexpected<Error>(given_up()));
@@ -260,6 +251,8 @@ void Dispatcher::begin(const Shared& c, int threads) {
 void Dispatcher::obtain_mesh(const Shared& c, int threads) {
   if (auto mesh = service_.find_mesh(c->keys))
     return with_mesh(c, Step<PreparedMesh>{std::move(mesh), CacheOutcome::kHit, {}}, threads);
+  // It began again, and the mesh has left the cache since it gave up its memory.
+  if (!c->has_file) return end(c, tl::unexpected<Error>(given_up()));
   obtain<PreparedMesh>(
       meshes_, c->keys.mesh, c, threads,
       [this, c](const Execution& execution) -> Outcome<PreparedMesh> {
@@ -298,6 +291,7 @@ void Dispatcher::with_mesh(const Shared& c, const Outcome<PreparedMesh>& mesh, i
     c->request.mesh = {};
     c->request.files.clear();
     c->request.owner.reset();
+    c->has_file = false;
   }
   obtain_diagram(c, threads);
 }
@@ -337,29 +331,6 @@ void Dispatcher::with_diagram(const Shared& c, const Outcome<CutBase>& diagram, 
   c->answer.work_milliseconds = std::chrono::duration<double, std::milli>(Clock::now() - c->begun).count();
   pool_.measured(c->flight->common.urgency.turn().name, c->cost, c->busy_seconds + spent.busy_seconds);
   end(c, std::move(c->answer));
-}
-
-void Dispatcher::end(const Shared& c, Expected<FractureAnswer> outcome) {
-  c->give_back();
-  WorkerPool::charge_by_now();
-  if (!outcome)
-    outcome = tl::unexpected<Error>(told_to_all(std::move(outcome.error()), c->flight->common.urgency));
-  results_.land(c->flight, outcome);
-  if (failures_ && !outcome && FailureKeeper::concerns(outcome.error().code))
-    failures_->keep(c->request, outcome.error(), *outcome.error().extra);
-}
-
-void Dispatcher::end_if_given_up(const Shared& c) {
-  if (!c->was_given_up()) return;
-  if (c->waits_no_longer() || pool_.withdraw_resumed(c->flight->common.urgency.task()))
-    end(c, tl::unexpected<Error>(given_up()));
-}
-
-Error Dispatcher::given_up() {
-  return overloaded(
-      "This computation was stopped because other computations need its memory. Send the "
-      "request again.",
-      std::chrono::seconds(1));
 }
 
 std::vector<std::optional<std::size_t>> Dispatcher::queue_positions(

@@ -28,11 +28,11 @@
 #include <vector>
 
 #include "server/service/admission.hpp"
-#include "server/service/background_memory.hpp"
 #include "server/service/client_shares.hpp"
 #include "server/service/computation_allowance.hpp"
 #include "server/service/failure_keeper.hpp"
 #include "server/service/memory_budget.hpp"
+#include "server/service/memory_holders.hpp"
 #include "server/service/memory_line.hpp"
 #include "server/service/payer.hpp"
 #include "server/service/service.hpp"
@@ -47,7 +47,8 @@ struct DispatcherConfig {
   /// Working memory, in estimated bytes, that all computations may use at the same time. A single computation may always run.
   /// An eighth is reserved for small computations. A client may use at most three quarters, and less if others use a lot. So a
   /// demanding client leaves room for collisions, both its own and others'. A client with only one computation may use more, but
-  /// only as the computation proves to need it: predictions reserve at most three quarters. Queued work holds no memory.
+  /// only as the computation proves to need it: predictions reserve at most three quarters. Queued work holds no memory. If a
+  /// client lacks memory within its even part, computations of clients that hold more than theirs are given up (MemoryHolders).
   std::uint64_t max_working_bytes = 2ull << 30;
   FailureKeeper* failures = nullptr;  ///< gets unsound answers and defects; borrowed; null: not kept
 };
@@ -199,14 +200,22 @@ class Dispatcher {
   /// its turn.
   std::optional<Error> lacks_memory(std::uint64_t bytes, const Terms& terms);
   /// Returns whether a request that lacks memory waits for it, until its deadline, instead of being refused. This is so if its
-  /// client holds none, because then others hold it, and might do so at each attempt. A collision cannot wait. A job waits outside
-  /// the dispatcher.
+  /// client holds none, because then others hold it, and might do so at each attempt. A collision waits only for memory that others
+  /// have to give up. A job waits outside the dispatcher.
   bool waits_for_memory(const Terms& terms);
   Error lacking(MemoryBudget::Verdict verdict, std::uint64_t bytes) const;
   static MemoryBudget::Use use_of(Priority priority);
-  /// Returns a function that makes room for a reservation of this client: background work of other clients gives up memory
-  /// that it holds beyond its half.
+  /// Returns a function that makes room for a reservation of this client: work of other clients gives up memory.
   ComputationAllowance::MakeRoom make_room_for(const std::string& client);
+  /// Gives up computations of other clients for a reservation that this client lacks (MemoryHolders). `verdict`: why it does not
+  /// get `bytes`. Computations over their client's part are spared if they are younger than `least_age`. Returns false if nothing
+  /// can be given up.
+  bool give_up_for(const std::string& client, MemoryBudget::Verdict verdict, std::uint64_t bytes,
+                   std::chrono::milliseconds least_age = {});
+  /// Work that waits in the line spares computations of less than this age. watch_line() asks again.
+  static constexpr std::chrono::milliseconds kSpared{100};
+  /// Makes the line ask for memory again, as long as work waits there: a computation may begin to stand still.
+  void watch_line() noexcept;
   /// Makes background work of other clients give up memory for an answer of this client, which asks again soon.
   void make_room_for_answer(const std::string& client, std::uint64_t bytes);
   /// Ends the claim for such answers, unless it lasts beyond `now`.
@@ -234,8 +243,10 @@ class Dispatcher {
   template <class Station>
   void at_station(const Shared& c, Station station);
   void end(const Shared& c, Expected<FractureAnswer> outcome);
-  /// Ends a background computation that was given up and is not running, because others need its memory.
+  /// Ends a computation that was given up and is not running, because others need its memory.
   void end_if_given_up(const Shared& c);
+  /// Queues a computation again that was given up. It takes its memory when its turn comes again.
+  void begin_again(const Shared& c);
   static Error given_up();
   template <class Value, class Make>
   void obtain(SingleFlight<Step<Value>, Urgency>& flights, const std::string& key, const Shared& c,
@@ -256,9 +267,9 @@ class Dispatcher {
   WorkerPool& pool_;
   FailureKeeper* const failures_;
   ClientShares working_;
-  BackgroundMemory background_;
+  MemoryHolders holders_;
   MemoryLine line_{working_, [this](const std::string& client, std::uint64_t bytes) {
-                     background_.give_up(client, working_.whole().missing(bytes));
+                     give_up_for(client, working_.judge(client, bytes), bytes, kSpared);
                    }};
   std::mutex of_claim_;
   std::unique_ptr<MemoryLine::Claim> claim_;  ///< for answers that could not be set aside
@@ -267,6 +278,7 @@ class Dispatcher {
   MeshFlights meshes_;
   DiagramFlights diagrams_;
   std::atomic<std::uint64_t> computed_{0}, collapsed_{0}, abandoned_{0}, expired_{0}, refused_{0};
+  std::atomic<bool> watches_line_{false};
   Timer timer_;  // last, because its calls use everything above
 };
 

@@ -1,7 +1,9 @@
 // Admission and charging: the part of the dispatcher that computes nothing.
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
+#include <new>
 #include <utility>
 
 #include "common/hits/delta.hpp"
@@ -114,7 +116,7 @@ void Dispatcher::charge(const std::vector<Waits>& payers, double seconds) {
 
 MemoryBudget::Divided Dispatcher::divided(std::uint64_t working_bytes) {
   const std::uint64_t headroom = working_bytes / 8;
-  return {working_bytes, headroom, std::min<std::uint64_t>(headroom, kLargestSmall)};
+  return {working_bytes, headroom, std::min<std::uint64_t>(headroom, kLargestSmall), /*even_parts=*/true};
 }
 
 std::uint64_t Dispatcher::share_of(std::uint64_t bytes) { return bytes - bytes / 4; }
@@ -124,26 +126,68 @@ MemoryBudget::Use Dispatcher::use_of(Priority priority) {
 }
 
 ComputationAllowance::MakeRoom Dispatcher::make_room_for(const std::string& client) {
-  // Maximum time to wait for background computations that were given up. They end at their next poll and free their memory.
+  // Maximum time to wait for computations that were given up. They end at their next poll and free their memory.
   static constexpr std::chrono::seconds kLongest{2};
   return [this, client](MemoryBudget::Reservation& memory, std::uint64_t bytes) {
-    const auto lacks = [&memory] { return memory.verdict() == MemoryBudget::Verdict::kHeldInBackground; };
-    if (!lacks()) return false;
+    const auto gives_up = [&] {
+      return memory.use() != MemoryBudget::Use::kBackground &&
+             give_up_for(client, memory.verdict(), bytes - memory.bytes());
+    };
+    if (!gives_up()) return false;
     const MemoryLine::Claim claim(line_);
     const Away away(WorkerPool::turn());  // lets others compute in the meantime
     const Clock::time_point longest = Clock::now() + kLongest;
-    while (lacks() && background_.give_up(client, working_.whole().missing(bytes - memory.bytes())) &&
-           background_.wait(longest))
-      if (memory.grow_to(bytes)) return true;
+    do {
+      if (!holders_.wait(client, longest)) break;
+    } while (!memory.grow_to(bytes) && gives_up());
     return memory.grow_to(bytes);
   };
 }
 
+bool Dispatcher::give_up_for(const std::string& client, MemoryBudget::Verdict verdict, std::uint64_t bytes,
+                             std::chrono::milliseconds least_age) {
+  using Verdict = MemoryBudget::Verdict;
+  if (verdict == Verdict::kFits || verdict == Verdict::kOverShare) return false;
+  // If memory is left, but not for this client, at least one other computation must end.
+  const std::uint64_t missing = std::max<std::uint64_t>(working_.whole().missing(bytes), 1);
+  if (verdict == Verdict::kHeldInBackground) return holders_.give_up_background(client, missing);
+  // A client that holds memory and wants more than its part ends no work of others.
+  const bool any_standing = (verdict == Verdict::kHeldOverPart || working_.is_newcomer(client)) &&
+                            holders_.give_up_standing(client, missing);
+  if (verdict != Verdict::kHeldOverPart) return any_standing;
+  return holders_.give_up_over_part(
+      client, missing, working_.even_part(client),
+      [this](const std::string& other) { return working_.held_by(other); }, least_age);
+}
+
+void Dispatcher::watch_line() noexcept {
+  static constexpr std::chrono::milliseconds kLook{50};
+  if (watches_line_.exchange(true)) return;
+  try {
+    timer_.at(Clock::now() + kLook, [this] {
+      watches_line_ = false;
+      line_.given_back();
+      if (line_.size() > 0) watch_line();
+    });
+  } catch (const std::bad_alloc&) {  // the next work that waits, or the next memory given back, asks
+    watches_line_ = false;
+  }
+}
+
 std::optional<Error> Dispatcher::lacks_memory(std::uint64_t bytes, const Terms& terms) {
-  const MemoryBudget::Verdict verdict = working_.judge(
-      terms.payer.flow.name, std::min(bytes, working_.whole().capacity()), use_of(terms.priority));
-  // Background work that holds the rest gives it up when this computation gets its turn.
-  if (verdict == MemoryBudget::Verdict::kFits || verdict == MemoryBudget::Verdict::kHeldInBackground)
+  using Verdict = MemoryBudget::Verdict;
+  const std::string& client = terms.payer.flow.name;
+  bytes = std::min(bytes, working_.whole().capacity());
+  const Verdict verdict = working_.judge(client, bytes, use_of(terms.priority));
+  // Other work that holds the rest gives it up when this computation gets its turn.
+  if (verdict == Verdict::kFits || verdict == Verdict::kHeldInBackground) return std::nullopt;
+  const bool may_take =
+      terms.may_wait_for_memory && use_of(terms.priority) == MemoryBudget::Use::kWaitedFor &&
+      (verdict == Verdict::kHeldOverPart || (verdict == Verdict::kFull && working_.is_newcomer(client)));
+  const std::uint64_t part = verdict == Verdict::kHeldOverPart ? working_.even_part(client) : UINT64_MAX;
+  if (may_take &&
+      holders_.could_give_up(client, std::max<std::uint64_t>(working_.whole().missing(bytes), 1), part,
+                             [this](const std::string& other) { return working_.held_by(other); }))
     return std::nullopt;
   return lacking(verdict, bytes);
 }

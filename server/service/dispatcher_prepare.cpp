@@ -39,6 +39,7 @@ struct Dispatcher::Arrival : std::enable_shared_from_this<Arrival> {
          .given_up = [self] { return self->decided.load(); },
          .go_on = [self](MemoryBudget::Reservation later) { self->go_on(std::move(later)); }});
     if (memory) return go_on(std::move(*memory));
+    dispatcher.watch_line();
     try {
       early.arm(weak_from_this(), terms);
     } catch (...) {
@@ -146,13 +147,17 @@ std::optional<Error> Dispatcher::prepare(FractureRequest request, const Terms& t
     overload = refuses(work.seconds, terms);
     lack = lacks_memory(work.bytes, terms);
   }
-  if (!overload && lack && !waits_for_memory(terms)) overload = lack;
+  const bool may_wait = !overload && waits_for_memory(terms);
+  if (!overload && lack && !may_wait) overload = lack;
   if (overload) {
     ++refused_;
     return overload;
   }
   Upload upload{std::move(request), std::move(keys), work, std::move(share), std::move(reply)};
-  if (lack)
+  const MemoryBudget::Verdict verdict = working_.judge(terms.payer.flow.name, work.bytes);
+  const bool waits = lack || (may_wait && verdict != MemoryBudget::Verdict::kFits &&
+                              verdict != MemoryBudget::Verdict::kHeldInBackground);
+  if (waits)
     std::make_shared<Arrival>(*this, std::move(upload), terms)->enter();
   else
     prepare(std::move(upload), terms);

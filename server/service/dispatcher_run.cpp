@@ -50,6 +50,8 @@ struct Dispatcher::Errand : std::enable_shared_from_this<Errand> {
   }
 
   bool abandoned() const { return decided; }
+  static int times_given_up() { return 0; }
+  static bool has_stood_still() { return false; }
   void hold(MemoryBudget::Reservation memory) { working.emplace(std::move(memory)); }
   void give_back() {
     if (!working) return;
@@ -126,10 +128,13 @@ MemoryBudget::Verdict Dispatcher::set_aside(const std::string& client, std::uint
   };
   auto kept = std::make_shared<Aside>(line_, working_.begin(client));
   const MemoryBudget& whole = working_.whole();
+  constexpr auto kWaitedFor = MemoryBudget::Use::kWaitedFor;
+  constexpr auto kStrict = MemoryBudget::Limit::kFairShare;  // an answer cannot be given up for other clients
   auto verdict = MemoryBudget::Verdict::kFits;
   // A small answer is judged as a large reservation if it would take memory that is for small computations.
-  if (whole.missing(bytes) > 0) verdict = working_.judge(client, std::max(bytes, whole.largest_small() + 1));
-  if (verdict == MemoryBudget::Verdict::kFits && !kept->memory.grow_to(bytes))
+  if (whole.missing(bytes) > 0)
+    verdict = working_.judge(client, std::max(bytes, whole.largest_small() + 1), kWaitedFor, kStrict);
+  if (verdict == MemoryBudget::Verdict::kFits && !kept->memory.grow_to(bytes, kStrict))
     verdict = kept->memory.verdict();
   if (verdict == MemoryBudget::Verdict::kHeldInBackground)  // the caller holds a lock, so the timer does it
     timer_.at(Clock::now(), [this, client, bytes] { make_room_for_answer(client, bytes); });
@@ -146,7 +151,7 @@ void Dispatcher::make_room_for_answer(const std::string& client, std::uint64_t b
     if (!claim_) claim_ = std::make_unique<MemoryLine::Claim>(line_);
     claimed_until_ = until;
   }
-  background_.give_up(client, working_.whole().missing(bytes));
+  holders_.give_up_background(client, working_.whole().missing(bytes));
 }
 
 void Dispatcher::end_claim(Clock::time_point now) {
@@ -173,7 +178,9 @@ void Dispatcher::begin_errand(const std::shared_ptr<Errand>& errand, int threads
       return has_memory(
           errand, client, [errand] { return errand->terms.priority; }, bytes, again, failed);
     MemoryBudget::Reservation memory = working_.begin(client, use_of(errand->terms.priority));
-    if (!memory.grow_to(bytes) && !make_room_for(client)(memory, bytes))
+    // Only background work gives up memory for it. Other computations would lose more than it gains.
+    if (!memory.grow_to(bytes) && !(memory.verdict() == MemoryBudget::Verdict::kHeldInBackground &&
+                                    make_room_for(client)(memory, bytes)))
       return tl::unexpected<Error>(lacking(memory.verdict(), bytes));
     errand->hold(std::move(memory));
     return true;

@@ -27,6 +27,9 @@ class MemoryBudget {
     std::uint64_t capacity;
     std::uint64_t headroom;
     std::uint64_t largest_small;  ///< bytes of a reservation that is still small
+    /// Whether clients give up what they hold beyond their even part if others need it. If so, a client may always hold its
+    /// even part.
+    bool even_parts = false;
   };
 
   /// The bytes that a client may hold if it is the only one (FairShare). Large and small reservations count separately.
@@ -48,6 +51,15 @@ class MemoryBudget {
     kFull,
     kOverShare,         ///< other reservations of the same client use up its share
     kHeldInBackground,  ///< it would fit if other clients' background work held no more than half of the pool
+    kHeldOverPart,      ///< it would fit if other clients held no more than their even parts
+  };
+  /// How much a large reservation may take.
+  enum class Limit {
+    kUsual,      ///< what FairShare allows, or the client's even part (Divided::even_parts)
+    kFairShare,  ///< what FairShare allows: for memory that cannot be given up
+    kEvenPart,  ///< at most the client's even part with one more client, because another client waits for its own
+    kOwnPart,  ///< at most the client's even part
+    kOnlyOne,  ///< as usual, but only if the client has no other large reservation
   };
 
   explicit MemoryBudget(std::uint64_t capacity) : MemoryBudget(capacity, {0, 0}) {}
@@ -57,6 +69,7 @@ class MemoryBudget {
         small_{0},
         largest_small_(divided.largest_small),
         headroom_(divided.headroom),
+        even_parts_(divided.even_parts),
         shares_(shares) {}
   MemoryBudget(std::uint64_t capacity, SmallPool small) : MemoryBudget(capacity, small, kNoShares) {}
   MemoryBudget(std::uint64_t capacity, SmallPool small, const Shares& shares)
@@ -92,9 +105,9 @@ class MemoryBudget {
     Use use() const { return use_; }
     /// Grows the reservation to at least `bytes`. Returns false and changes nothing if the budget does not have that much left
     /// for this client.
-    bool grow_to(std::uint64_t bytes) {
+    bool grow_to(std::uint64_t bytes, Limit limit = Limit::kUsual) {
       if (bytes <= bytes_) return true;
-      verdict_ = budget_->grow(client_.get(), use_, bytes_, bytes);
+      verdict_ = budget_->grow(client_.get(), use_, bytes_, bytes, limit);
       if (verdict_ != Verdict::kFits) return false;
       bytes_ = bytes;
       return true;
@@ -133,18 +146,26 @@ class MemoryBudget {
   std::uint64_t largest_small() const { return largest_small_; }
 
   /// Returns the verdict that a new reservation of this size would get. `client` is null if no share applies.
-  Verdict judge(const Client* client, std::uint64_t bytes, Use use = Use::kWaitedFor) const {
+  Verdict judge(const Client* client, std::uint64_t bytes, Use use = Use::kWaitedFor,
+                Limit limit = Limit::kUsual) const {
     const std::lock_guard lock(mutex_);
     const std::uint64_t own = client ? held(*client, bytes) : 0;
     const bool is_known = client && counts(*client, bytes, use);
     return judge({client, use, bytes, own + bytes, pool(bytes).used + bytes,
-                  clients(bytes, use) - (is_known ? 1 : 0)});
+                  clients(bytes, use) - (is_known ? 1 : 0), sharing(client), limit});
   }
   /// Returns the bytes that a client holds in large reservations.
   std::uint64_t held_by(const Client& client) const {
     const std::lock_guard lock(mutex_);
     return client.large;
   }
+  /// Returns the part of this client if all clients with large reservations, and this one, divide the memory evenly. A client
+  /// that is alone has no part of its own (FairShare limits it); then returns half.
+  std::uint64_t even_part(const Client& client) const {
+    const std::lock_guard lock(mutex_);
+    return capacity() / std::max<std::size_t>(sharing(&client), 2);
+  }
+  bool is_small(std::uint64_t bytes) const { return bytes <= largest_small_; }
   /// Returns how many bytes are missing if a large reservation grows by `more` bytes. Ignores shares.
   std::uint64_t missing(std::uint64_t more) const {
     const std::lock_guard lock(mutex_);
@@ -157,7 +178,6 @@ class MemoryBudget {
     std::uint64_t used = 0;
   };
 
-  bool is_small(std::uint64_t bytes) const { return bytes <= largest_small_; }
   /// Returns the bytes that a client holds in its small or its large reservations, whichever kind `bytes` belongs to.
   std::uint64_t held(const Client& client, std::uint64_t bytes) const {
     return is_small(bytes) ? client.small : client.large;
@@ -171,6 +191,10 @@ class MemoryBudget {
     if (is_small(bytes)) return small_clients_;
     return use == Use::kBackground ? large_clients_ : waited_for_clients_;
   }
+  /// Returns how many clients share the memory for large reservations, with this one.
+  std::size_t sharing(const Client* client) const {
+    return large_clients_ + (client && client->large > 0 ? 0 : 1);
+  }
   bool has_small_pool() const { return small_.capacity > 0; }
   const Pool& pool(std::uint64_t bytes) const {
     return is_small(bytes) && has_small_pool() ? small_ : large_;
@@ -183,14 +207,24 @@ class MemoryBudget {
     const Client* client;  ///< null: it has no share
     Use use;
     std::uint64_t bytes, own, used;
-    std::size_t others;  ///< number of other clients that share the pool
+    std::size_t others;   ///< number of other clients that share the pool
+    std::size_t sharing;  ///< number of clients that divide the pool evenly
+    Limit limit;
   };
+  /// Returns whether the client would hold at most its even part of the pool, divided among this many.
+  bool is_within_part(const Asked& asked, std::size_t parts) const { return asked.own <= capacity() / parts; }
   Verdict judge(const Asked& asked) const {
     const bool small = is_small(asked.bytes);
     FairShare fair{pool(asked.bytes).capacity - (small ? 0 : headroom_),
                    small ? shares_.small : shares_.large};
     std::uint64_t used = asked.used;
     const bool is_there = used <= fair.capacity;
+    if (!small && asked.client) {
+      const bool too_much =
+          (asked.limit == Limit::kEvenPart && !is_within_part(asked, asked.sharing + 1)) ||
+          (asked.limit == Limit::kOwnPart && !is_within_part(asked, std::max<std::size_t>(asked.sharing, 2)));
+      if (too_much || (asked.limit == Limit::kOnlyOne && asked.own > asked.bytes)) return Verdict::kFull;
+    }
     if (!small && asked.use == Use::kWaitedFor) {
       const std::uint64_t theirs = background_ - (asked.client ? asked.client->background : 0);
       const double left = 1 - static_cast<double>(std::min(theirs, fair.capacity / 2)) /
@@ -204,13 +238,16 @@ class MemoryBudget {
     if (asked.client ? fair.allows(asked.own, used, asked.others, alone) : used <= fair.capacity)
       return is_there ? Verdict::kFits : Verdict::kHeldInBackground;
     if (!asked.client) return Verdict::kFull;
+    if (even_parts_ && !small && asked.use == Use::kWaitedFor && asked.limit != Limit::kFairShare &&
+        asked.sharing > 1 && is_within_part(asked, asked.sharing))
+      return is_there ? Verdict::kFits : Verdict::kHeldOverPart;
     return !alone && (used <= fair.capacity || asked.own > fair.share) ? Verdict::kOverShare : Verdict::kFull;
   }
-  Verdict grow(Client* client, Use use, std::uint64_t from, std::uint64_t to) {
+  Verdict grow(Client* client, Use use, std::uint64_t from, std::uint64_t to, Limit limit) {
     const std::lock_guard lock(mutex_);
     move(client, use, from, to);
-    const Verdict verdict = judge(
-        {client, use, to, client ? held(*client, to) : to, pool(to).used, client ? clients(to, use) - 1 : 0});
+    const Verdict verdict = judge({client, use, to, client ? held(*client, to) : to, pool(to).used,
+                                   client ? clients(to, use) - 1 : 0, sharing(client), limit});
     if (verdict != Verdict::kFits) move(client, use, to, from);
     return verdict;
   }
@@ -252,6 +289,7 @@ class MemoryBudget {
   std::size_t small_clients_ = 0, large_clients_ = 0;
   std::size_t waited_for_clients_ = 0;  ///< clients with large reservations that are not background work
   const std::uint64_t largest_small_, headroom_ = 0;
+  const bool even_parts_ = false;
   const Shares shares_;
 };
 

@@ -1,8 +1,9 @@
 // The line of work that waits for memory. If there is not enough memory when a piece of work gets its turn, the work leaves
 // its thread to others, and continues when enough memory has been given back. So queued work holds no working memory.
 //
-// Background work gives up memory for work that a client waits for. No further background work begins until that work has
-// its memory.
+// Other clients' work gives up memory for work that a client waits for (memory_holders.hpp). Until that work has its memory,
+// no further background work begins, no client takes more than its even part, and work that was given up begins again only
+// within that part.
 #pragma once
 
 #include <algorithm>
@@ -23,9 +24,10 @@ namespace fracture {
 /// line is not empty, something that holds memory is running, and it calls given_back() when it releases that memory.
 class MemoryLine {
  public:
-  /// Makes the background work of other clients give up memory, so that this client's work can have `bytes`.
+  /// Makes the work of other clients give up memory, so that this client's work can have `bytes`. Does nothing if none of it has
+  /// to give up memory.
   using MakeRoom = std::function<void(const std::string& client, std::uint64_t bytes)>;
-  /// After each change, `make_room` is called for each entry that lacks memory held by background work. No locks are held
+  /// After each change, `make_room` is called for each entry that lacks memory and is not background work. No locks are held
   /// during these calls.
   MemoryLine(ClientShares& memory, MakeRoom make_room) : memory_(memory), make_room_(std::move(make_room)) {}
 
@@ -35,6 +37,11 @@ class MemoryLine {
     std::function<MemoryBudget::Use()> use;  ///< asked again: a client may have begun to wait for it
     std::function<bool()> given_up;          ///< true if no client wants the work any more
     std::function<void(MemoryBudget::Reservation)> go_on;  ///< called once, or dropped if given up
+    /// It was given up for other clients before. It takes memory within its client's even part, or when its client holds
+    /// nothing else and no other client waits. So it is not given up again for the same reason.
+    bool again = false;
+    /// It was given up because it stood still. It takes no memory while another client waits.
+    bool stood_still = false;
   };
   /// Returns the memory. Returns nothing if there is not enough: then `waits` joins the line.
   std::optional<MemoryBudget::Reservation> take(Waits waits) {
@@ -44,7 +51,7 @@ class MemoryLine {
       // The lock covers both steps, so that no memory is given back unnoticed between the attempt and joining the line.
       const std::lock_guard lock(mutex_);
       MemoryBudget::Reservation reservation = memory_.begin(waits.client, use);
-      if (may_take(use) && reservation.grow_to(waits.bytes)) return reservation;
+      if (take(waits, use, first(), reservation)) return reservation;
       line_.push_back({std::move(waits), std::move(reservation)});
     }
     make_room();
@@ -80,18 +87,19 @@ class MemoryLine {
     std::list<Entry> over, go_on;  // destroyed and called without the lock
     {
       const std::lock_guard lock(mutex_);
+      for (auto at = line_.begin(); at != line_.end();) {
+        const auto next = std::next(at);
+        if (at->waits.given_up())
+          over.splice(over.end(), line_, at);
+        else if (const Use now = at->waits.use(); now != at->reservation.use())
+          at->reservation = memory_.begin(at->waits.client, now);
+        at = next;
+      }
       for (const Use use : {Use::kWaitedFor, Use::kBackground}) {
-        const bool may = may_take(use);  // all other work was tried before background work
+        const First goes_first = first();  // all other work was tried before background work
         for (auto at = line_.begin(); at != line_.end();) {
           const auto next = std::next(at);
-          if (at->waits.given_up()) {
-            over.splice(over.end(), line_, at);
-            at = next;
-            continue;
-          }
-          if (const Use now = at->waits.use(); now != at->reservation.use())
-            at->reservation = memory_.begin(at->waits.client, now);
-          if (may && at->reservation.use() == use && at->reservation.grow_to(at->waits.bytes))
+          if (at->reservation.use() == use && take(at->waits, use, goes_first, at->reservation))
             go_on.splice(go_on.end(), line_, at);
           at = next;
         }
@@ -121,19 +129,68 @@ class MemoryLine {
     {
       const std::lock_guard lock(mutex_);
       for (const Entry& entry : line_)
-        if (entry.reservation.verdict() == MemoryBudget::Verdict::kHeldInBackground)
+        if (entry.reservation.use() != Use::kBackground &&
+            (!entry.waits.again || memory_.is_newcomer(entry.waits.client)))
           lacking.emplace_back(entry.waits.client, entry.waits.bytes);
     }
     for (const auto& [client, bytes] : lacking) make_room_(client, bytes);
   } catch (...) {  // no memory to ask for room: the next change asks again
   }
-  /// Returns whether work of this kind may take memory. Background work must not while other work waits for memory that
-  /// background work holds beyond its half. Requires the lock.
-  bool may_take(Use use) const {
-    if (use != Use::kBackground) return true;
-    return claims_ == 0 && std::none_of(line_.begin(), line_.end(), [](const Entry& entry) {
-             return entry.reservation.verdict() == MemoryBudget::Verdict::kHeldInBackground;
-           });
+  /// A set of clients.
+  struct Clients {
+    void add(const std::string& client) {
+      several = includes_other_than(client);
+      one = &client;
+    }
+    bool includes_other_than(const std::string& client) const { return several || (one && *one != client); }
+    const std::string* one = nullptr;
+    bool several = false;
+  };
+  /// The work in the line that goes first.
+  struct First {
+    Clients waiting;             ///< for work that was not given up
+    Clients lacking;             ///< memory that others hold beyond their parts
+    bool in_background = false;  ///< some work lacks memory that background work holds
+    bool again = false;          ///< some work was given up before
+  };
+  /// Requires the lock.
+  First first() const {
+    First all;
+    all.in_background = claims_ > 0;
+    for (const Entry& entry : line_) {
+      const MemoryBudget::Verdict verdict = entry.reservation.verdict();
+      if (verdict == MemoryBudget::Verdict::kHeldInBackground) all.in_background = true;
+      all.again = all.again || entry.waits.again;
+      if (entry.waits.again || entry.reservation.use() == Use::kBackground) continue;
+      all.waiting.add(entry.waits.client);
+      if (verdict == MemoryBudget::Verdict::kHeldOverPart) all.lacking.add(entry.waits.client);
+    }
+    return all;
+  }
+  /// Returns whether some of this client's work was given up and waits. Requires the lock.
+  bool waits_again(const std::string& client) const {
+    return std::any_of(line_.begin(), line_.end(),
+                       [&](const Entry& entry) { return entry.waits.again && entry.waits.client == client; });
+  }
+  /// Takes the memory if it is there and no other work must have it first. Requires the lock.
+  bool take(const Waits& waits, Use use, const First& first, MemoryBudget::Reservation& memory) const {
+    using Limit = MemoryBudget::Limit;
+    if (use == Use::kBackground && (first.in_background || first.lacking.one)) return false;
+    // Two clients that both lack their parts may each have all of it.
+    const bool others_lack = memory.verdict() != MemoryBudget::Verdict::kHeldOverPart &&
+                             first.lacking.includes_other_than(waits.client);
+    const Limit within_part = others_lack ? Limit::kEvenPart : Limit::kOwnPart;
+    if (waits.again) {
+      const bool others_wait = first.waiting.includes_other_than(waits.client);
+      return (!(others_wait && waits.stood_still) && memory.grow_to(waits.bytes, within_part)) ||
+             (!others_wait && memory.grow_to(waits.bytes, Limit::kOnlyOne));
+    }
+    if (others_lack) return memory.grow_to(waits.bytes, within_part);
+    // A client's new work must not keep its work that was given up from beginning again. If the client holds nothing, the
+    // latter waits for other clients: if the new work waited for it, too, all work might wait.
+    if (use != Use::kBackground && first.again && waits_again(waits.client))
+      return memory.grow_to(waits.bytes, within_part) || memory.grow_to(waits.bytes, Limit::kOnlyOne);
+    return memory.grow_to(waits.bytes);
   }
 
   ClientShares& memory_;

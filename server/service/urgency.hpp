@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <chrono>
 #include <cstddef>
 #include <memory>
 #include <mutex>
@@ -102,6 +103,18 @@ class Urgency {
   bool is_of_several() const {
     const std::lock_guard lock(mutex_);
     return others_;
+  }
+  /// Returns whether the task computes a part of an answer that other clients also wait for.
+  bool computes_for_others() const {
+    const std::lock_guard lock(mutex_);
+    return in_part_ && part_->is_of_several();
+  }
+  /// Returns whether the task stands still for at least a second, because its only client exceeds its processor rate.
+  bool stands_still() const {
+    constexpr std::chrono::seconds kLong{1};
+    const std::lock_guard lock(mutex_);
+    return !others_ && !(in_part_ && part_->is_of_several()) && flow().account &&
+           flow().account->until_within_processor_rate() >= kLong;
   }
   /// Returns the turn that the task takes: the earliest turn among the most urgent clients that wait.
   Flow turn() const {

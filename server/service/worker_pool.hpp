@@ -95,9 +95,9 @@ class WorkerPool {
   bool withdraw(TaskId task);
   /// As above, but for a resumed task. The caller must end the work that the task would have continued.
   bool withdraw_resumed(TaskId task);
-  /// Ends a running background task at its next poll (kOverloaded), because more urgent tasks need what it holds. Returns
-  /// false if the task does not run or is more urgent.
-  bool give_up(TaskId task);
+  /// Ends a running task at its next poll (kOverloaded), because other tasks need what it holds. Returns false if the task
+  /// does not run, or is more urgent than `most`.
+  bool give_up(TaskId task, Priority most = Priority::kBackground);
   /// Charges a flow and its account for the seconds used.
   void charge(Priority priority, const Flow& flow, double seconds);
 

@@ -46,10 +46,10 @@ void WorkerPool::end_classes() {
     if (job->class_ends() <= now) become(*job, job->priority);
 }
 
-bool WorkerPool::give_up(TaskId task) {
+bool WorkerPool::give_up(TaskId task, Priority most) {
   const std::lock_guard lock(mutex_);
   const auto at = running_.find(task);
-  if (at == running_.end() || at->second->priority != Priority::kBackground) return false;
+  if (at == running_.end() || at->second->priority < most) return false;
   at->second->must_end = true;
   at->second->go_on.notify_all();
   return true;

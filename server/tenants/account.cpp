@@ -121,6 +121,12 @@ bool Account::is_over_processor_rate(Clock::time_point now) {
   return shares_.cores && processor_.level() <= 0;
 }
 
+std::chrono::duration<double> Account::until_within_processor_rate(Clock::time_point now) {
+  const std::lock_guard lock(mutex_);
+  advance(now);
+  return shares_.cores ? processor_.until(0, *shares_.cores) : std::chrono::duration<double>(0);
+}
+
 void Account::charge(double processor_seconds, Clock::time_point now) {
   const std::lock_guard lock(mutex_);
   advance(now);

@@ -63,6 +63,8 @@ class Account : public std::enable_shared_from_this<Account> {
   Expected<Seat> begin_computation(Clock::time_point now = Clock::now());
   /// Returns whether the name currently exceeds its processor rate. Its computations stand still in that case.
   bool is_over_processor_rate(Clock::time_point now = Clock::now());
+  /// Returns how long the name's computations will stand still if nothing is charged in the meantime.
+  std::chrono::duration<double> until_within_processor_rate(Clock::time_point now = Clock::now());
   /// Charges this name for processor seconds, summed over all threads.
   void charge(double processor_seconds, Clock::time_point now = Clock::now());
   void count_answer(std::uint64_t bytes_in, std::uint64_t bytes_out);
