@@ -174,7 +174,8 @@ def costs(patterns):
         return "; ".join(f"{COSTS[request]:g}" for request in requests)
     yield from wrapped(
         "Costs are processor instructions per answer, relative to `pattern=uniform` with 50 sites on a mesh of 4,000 triangles. A hit with "
-        "`delta` costs less.")
+        "`delta` costs less. For this mesh, one core of a virtual AMD EPYC takes 11 ms (cost 1), 37 ms for `wood`, 55 ms for `stone`, and "
+        "160 ms for `glass` with its walls, without reading the file (1 December 2026).")
     yield ""
     yield "| request | cost |"
     yield "|---|---|"
