@@ -39,7 +39,7 @@ void add_output_rows(std::vector<ParameterSpec>& rows) {
        .doc =
            "Format of the fragments' physics data. `khr`: KHR_physics_rigid_bodies, with collision filters for overlapping "
            "hulls. `omi`: OMI_physics_body and OMI_physics_shape, for Godot. This format has no filters; a warning gives the "
-           "number of overlaps. `none`: no physics and no hulls."},
+           "number of overlaps. `none`: no physics; hulls only with `ue_collision=ucx`."},
       [](auto& r) -> auto& { return r.physics; }));
   rows.push_back(with_member(
       {.name = "ue_collision",

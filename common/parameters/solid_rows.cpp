@@ -89,9 +89,9 @@ std::vector<ParameterSpec> solid_parameter_rows() {
        .low = 0,
        .high = 1,
        .doc =
-           "Only parts that can contain a ball of this diameter become hollow. This excludes plates, rods and parts "
-           "with walls. The value is this diameter as a fraction of the longest side of the part's box: 0, or at least "
-           "0.1. 0: all parts. Default: 0.2 if the material has walls, otherwise 0."},
+           "A part becomes hollow only if a ball of this diameter fits into it, so plates, rods and parts with walls "
+           "stay as they are. The diameter is a fraction of the longest side of the part's box: 0, or at least 0.1. 0: "
+           "all parts. Default: 0.2 if the material has walls, otherwise 0."},
       [](auto& r) -> auto& { return r.hollow.least_ball; });
   ball.check = [](const ParameterValue& value) -> std::optional<std::string> {
     const double given = std::get<double>(value);
