@@ -241,6 +241,18 @@ def check_manifests(manifests, where):
     expect(int(cache.removesuffix("Gi")) << 30 > stored, f"{where}: /cache is smaller than the {stored} bytes that go there")
 
 
+def check_bake_job():
+    """Checks that a pod of the bake Job succeeds if a mesh of its shard is refused, because Kubernetes would retry the pod in vain."""
+    container = documents("kubernetes", "bake", "job.yaml")[0]["spec"]["template"]["spec"]["containers"][0]
+    with tempfile.TemporaryDirectory() as folder:
+        for name, text in ("flat.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"), ("bake.ndjson", '{"input": "flat.obj", "output": "flat.glb"}\n'):
+            with open(os.path.join(folder, name), "w", encoding="utf-8") as f:
+                f.write(text)
+        run(SERVER, *(arg.replace("/assets", folder) for arg in container["args"]), JOB_COMPLETION_INDEX="0")
+        with open(os.path.join(folder, "bake.ndjson.0-of-16.report"), encoding="utf-8") as f:
+            expect(json.load(f)["status"] == "refused", "bake: the report does not list the refused mesh")
+
+
 def kubernetes():
     for path in glob.glob(os.path.join(DOCKER, "kubernetes", "**", "*.yaml"), recursive=True) + [
             os.path.join(DOCKER, "haproxy", name) for name in ("kustomization.yaml", "kubernetes.yaml")]:
@@ -253,6 +265,7 @@ def kubernetes():
             for entry in m.get("bases", []) + m.get("resources", []) + m.get("patchesStrategicMerge", []) + generated:
                 expect(os.path.exists(os.path.join(os.path.dirname(path), entry)), f"{path}: there is no {entry}")
     check_manifests(documents("kubernetes", "bake", "job.yaml"), "bake")
+    check_bake_job()
     program = ask_program("kubectl")
     scaled_by = {"overlays/small": ["Resource"], "overlays/large": ["Resource", "Pods"], "bake": None}
     for overlay, metrics in scaled_by.items():
