@@ -4,6 +4,7 @@
 Every indented block with curl or bake that needs only a server and a mesh is run. It runs in a folder with a
 barrel.glb, against a server on free ports. NOT_RUN names blocks that need other programs or machines.
 """
+import hashlib
 import json
 import os
 import pathlib
@@ -14,6 +15,7 @@ import sys
 import tempfile
 import threading
 import unittest
+import urllib.request
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "proto" / "guides").glob("*.md"))]
@@ -57,24 +59,26 @@ def blocks(text):
 class Guides(unittest.TestCase):
     server = None
 
-    def setUp(self):
-        command = [self.server, "serve", "--port", "0", "--admin-port", "0", "--drain-delay", "0", "--log-format", "text"]
-        self.program = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
-        too_late = threading.Timer(PATIENCE, self.program.kill)
+    def serve(self, *flags):
+        """Starts a server that runs until the end of the test. Returns its port."""
+        command = [self.server, "serve", "--port", "0", "--admin-port", "0", "--drain-delay", "0", "--log-format", "text", *flags]
+        program = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
+        too_late = threading.Timer(PATIENCE, program.kill)
         too_late.start()
-        self.addCleanup(self.program.stderr.close)
-        self.addCleanup(self.program.wait, PATIENCE)
-        self.addCleanup(self.program.terminate)
+        self.addCleanup(program.stderr.close)
+        self.addCleanup(program.wait, PATIENCE)
+        self.addCleanup(program.terminate)
         self.addCleanup(too_late.cancel)
         log = ""
-        for line in self.program.stderr:
+        for line in program.stderr:
             log += line
             found = re.search(r":(\d+) \(admin port \d+\)", line)
             if found:
-                break
-        else:
-            self.fail(log)
-        self.port = found[1]
+                return found[1]
+        return self.fail(log)
+
+    def setUp(self):
+        self.port = self.serve()
 
     def test_commands_work_as_they_stand(self):
         count = 0
@@ -107,6 +111,24 @@ class Guides(unittest.TestCase):
             done = subprocess.run(["bash", "-euo", "pipefail", "-c", commands], cwd=folder, text=True, check=True, capture_output=True,
                                   timeout=PATIENCE)
             self.assertEqual(done.stdout.split()[-1], "50")
+
+    def test_the_team_may_send_jobs(self):
+        """Blender sends jobs, and the guide says that its users can use Blender."""
+        page = (ROOT / "proto/guides/team-server.md").read_text(encoding="utf-8")
+        tokens = json.loads(re.search(r'^ {4}(\{"tenants": .*(?:\n {4}.*)*)', page, re.MULTILINE)[1])
+        secret = "0123456789abcdef"
+        with tempfile.TemporaryDirectory(prefix="fracture-test-") as folder:
+            for number, tenant in enumerate(tokens["tenants"]):
+                tenant["tokens"] = [{"sha256": hashlib.sha256(f"{secret}{number}".encode()).hexdigest()}]
+            path = pathlib.Path(folder, "tokens")
+            path.write_text(json.dumps(tokens), encoding="utf-8")
+            port = self.serve("--token-file", str(path))
+            for number, tenant in enumerate(tokens["tenants"]):
+                with self.subTest(name=tenant["name"]):
+                    headers = {"Authorization": f"Bearer {secret}{number}", "Content-Type": "model/gltf-binary", "Prefer": "respond-async"}
+                    request = urllib.request.Request(f"http://127.0.0.1:{port}/fracture?fragments=4", barrel(), headers)
+                    with urllib.request.urlopen(request, timeout=PATIENCE) as answer:
+                        self.assertEqual(answer.status, 202)
 
 
 if __name__ == "__main__":
