@@ -156,7 +156,10 @@ struct Watched {
       dump = std::make_shared<bake::StageDump>(folder, say);
   }
   std::unique_ptr<FractureEngine> engine(int import_workers) const {
-    std::unique_ptr<FractureEngine> engine = make_engine(bake::own_import_workers(import_workers));
+    std::unique_ptr<FractureEngine> engine = make_engine(bake::own_import_workers(
+        import_workers,
+        "The limit is half of the memory of one mesh, which is --memory divided by -j. Use a smaller mesh, raise --memory, or "
+        "lower -j."));
     if (flips) engine = bake::flip_engine(std::move(engine), flips);
     if (dump) engine = bake::dumping_engine(std::move(engine), dump);
     return engine;

@@ -264,7 +264,8 @@ int inspect(const InspectOptions& options) {
   }
   std::unique_ptr<FractureEngine> engine;
   try {
-    engine = make_engine(bake::own_import_workers(1));
+    engine = make_engine(
+        bake::own_import_workers(1, "The limit is half of --memory. Use a smaller mesh, or raise --memory."));
   } catch (const std::runtime_error& e) {
     complain(e.what());
     return kExitSystem;

@@ -127,15 +127,12 @@ std::optional<Expected<Mesh>> ImportPool::import_within(Try& attempt, const Inpu
     }
     if (had_less)
       result = tl::unexpected<Error>(no_room_to_read(
-          "this machine allows the process less memory than a single import may use (--import-memory, "
-          "ulimit -v)"));
+          "this machine allows the process less memory than a single import may use (ulimit -v)"));
     const bool over_limit = !result && result.error().code == ErrorCode::kImporterLimit;
     const bool no_room = !result && result.error().code == ErrorCode::kOverloaded;
     if (lacked_memory(result) && attempt.memory_bytes > 0)
-      result.error().detail =
-          "The importer needed more than " + data_size(attempt.memory_bytes) +
-          " of memory for this file. The limit is the smaller of --import-memory and half of the "
-          "memory that one computation may use (--max-working). Send a smaller mesh, or raise these settings.";
+      result.error().detail = "The importer needed more than " + data_size(attempt.memory_bytes) +
+                              " of memory for this file. " + config_.memory_advice;
     if (lacked_memory(result))
       memo_.add(input.name, result.error(), most_of(attempt.memory_bytes));
     else if (over_limit || death == WorkerDeath::kCrash)

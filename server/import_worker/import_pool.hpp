@@ -39,6 +39,10 @@ struct ImportPoolConfig {
   /// Must be 1 unless all files have the same owner: a file that takes over a reader could read the files after it and forge
   /// their answers.
   int files_per_worker = 1;
+  /// For error messages: what limits the memory of an import, and what to do if it is not enough.
+  std::string memory_advice =
+      "The limit is the smaller of --import-memory and half of the memory that one computation may use (--max-working). Send "
+      "a smaller mesh, or raise these settings.";
 };
 
 /// Counters since the start. Each import counts once, by the way it ended.

@@ -31,6 +31,7 @@ struct ImportReservation : testing::Test {
   ImportPool pool{[] {
     ImportPoolConfig config;
     config.worker.program = FRACTURE_IMPORT_PROGRAM;
+    config.memory_advice = "Raise --memory.";
     return config;
   }()};
 
@@ -109,6 +110,8 @@ TEST_F(ImportReservation, AFileThatUnfoldsBeyondWhatThereIsEndsWithItsLimit) {
   ASSERT_FALSE(mesh);
   EXPECT_EQ(mesh.error().code, ErrorCode::kImporterLimit);
   EXPECT_EQ(mesh.error().extra->value("limit", ""), "memory");
+  EXPECT_TRUE(mesh.error().detail.ends_with(" of memory for this file. Raise --memory."))
+      << mesh.error().detail;
   EXPECT_EQ(pool.counters().limited, 1u) << "once, however often it was tried";
   EXPECT_TRUE(import(instances(10))) << "the next one is not concerned";
 }
