@@ -153,7 +153,8 @@ bool Dispatcher::has_memory(const std::shared_ptr<Work>& work, const std::string
                         if (!queued) failed(queued.error());
                       },
                   .again = work->times_given_up() > 0,
-                  .stood_still = work->has_stood_still()});
+                  .stood_still = work->has_stood_still(),
+                  .gives_up = Work::kGivesUpMemory});
   if (!memory) watch_line();
   if (memory) work->hold(std::move(*memory));
   return memory.has_value();
@@ -161,6 +162,7 @@ bool Dispatcher::has_memory(const std::shared_ptr<Work>& work, const std::string
 
 /// The computation of one result, run by the leader of its flight.
 struct Dispatcher::Computation : std::enable_shared_from_this<Computation> {
+  static constexpr bool kGivesUpMemory = true;
   explicit Computation(Dispatcher& its_dispatcher) : dispatcher(its_dispatcher) {}
   /// Frees the memory, however the computation ended.
   ~Computation() { give_back(); }

@@ -75,7 +75,8 @@ std::optional<Error> Dispatcher::fracture(FractureRequest request, const Terms& 
     std::optional<Error> overload;
     if (!results_.find(keys.result)) {
       overload = refuses(cost, terms);
-      if (!overload && !waits_for_memory(terms)) overload = lacks_memory(bytes, terms);
+      if (!overload && !waits_for_memory(terms))
+        overload = lacks_memory(bytes, terms, MemoryBudget::Limit::kAllFree);
     }
     if (overload) {
       ++refused_;

@@ -198,7 +198,8 @@ class Dispatcher {
   void charge(const std::vector<Waits>& payers, double seconds);
   /// Returns an error if there is not enough memory to begin now. Sets nothing aside: that happens when the computation gets
   /// its turn.
-  std::optional<Error> lacks_memory(std::uint64_t bytes, const Terms& terms);
+  std::optional<Error> lacks_memory(std::uint64_t bytes, const Terms& terms,
+                                    MemoryBudget::Limit limit = MemoryBudget::Limit::kUsual);
   /// Returns whether a request that lacks memory waits for it, until its deadline, instead of being refused. This is so if its
   /// client holds none, because then others hold it, and might do so at each attempt. A collision waits only for memory that others
   /// have to give up. A job waits outside the dispatcher.

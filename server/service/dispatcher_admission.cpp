@@ -174,11 +174,12 @@ void Dispatcher::watch_line() noexcept {
   }
 }
 
-std::optional<Error> Dispatcher::lacks_memory(std::uint64_t bytes, const Terms& terms) {
+std::optional<Error> Dispatcher::lacks_memory(std::uint64_t bytes, const Terms& terms,
+                                              MemoryBudget::Limit limit) {
   using Verdict = MemoryBudget::Verdict;
   const std::string& client = terms.payer.flow.name;
   bytes = std::min(bytes, working_.whole().capacity());
-  const Verdict verdict = working_.judge(client, bytes, use_of(terms.priority));
+  const Verdict verdict = working_.judge(client, bytes, use_of(terms.priority), limit);
   // Other work that holds the rest gives it up when this computation gets its turn.
   if (verdict == Verdict::kFits || verdict == Verdict::kHeldInBackground) return std::nullopt;
   const bool may_take =

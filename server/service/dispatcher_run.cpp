@@ -50,6 +50,7 @@ struct Dispatcher::Errand : std::enable_shared_from_this<Errand> {
   }
 
   bool abandoned() const { return decided; }
+  static constexpr bool kGivesUpMemory = false;
   static int times_given_up() { return 0; }
   static bool has_stood_still() { return false; }
   void hold(MemoryBudget::Reservation memory) { working.emplace(std::move(memory)); }

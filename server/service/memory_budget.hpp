@@ -60,6 +60,8 @@ class MemoryBudget {
     kEvenPart,  ///< at most the client's even part with one more client, because another client waits for its own
     kOwnPart,  ///< at most the client's even part
     kOnlyOne,  ///< as usual, but only if the client has no other large reservation
+    /// As usual, and a client's only large reservation may take all that is free: for memory that can be given up.
+    kAllFree,
   };
 
   explicit MemoryBudget(std::uint64_t capacity) : MemoryBudget(capacity, {0, 0}) {}
@@ -87,12 +89,14 @@ class MemoryBudget {
         : budget_(std::exchange(other.budget_, nullptr)),
           client_(std::move(other.client_)),
           use_(other.use_),
+          usual_(other.usual_),
           bytes_(std::exchange(other.bytes_, 0)),
           verdict_(other.verdict_) {}
     Reservation& operator=(Reservation&& other) noexcept {
       std::swap(budget_, other.budget_);
       std::swap(client_, other.client_);
       std::swap(use_, other.use_);
+      std::swap(usual_, other.usual_);
       std::swap(bytes_, other.bytes_);
       std::swap(verdict_, other.verdict_);
       return *this;
@@ -105,13 +109,16 @@ class MemoryBudget {
     Use use() const { return use_; }
     /// Grows the reservation to at least `bytes`. Returns false and changes nothing if the budget does not have that much left
     /// for this client.
-    bool grow_to(std::uint64_t bytes, Limit limit = Limit::kUsual) {
+    bool grow_to(std::uint64_t bytes) { return grow_to(bytes, usual_); }
+    bool grow_to(std::uint64_t bytes, Limit limit) {
       if (bytes <= bytes_) return true;
       verdict_ = budget_->grow(client_.get(), use_, bytes_, bytes, limit);
       if (verdict_ != Verdict::kFits) return false;
       bytes_ = bytes;
       return true;
     }
+    /// From now on, kAllFree is the limit if grow_to() gets none.
+    void may_take_all_free() { usual_ = Limit::kAllFree; }
     /// Shrinks the reservation to at most `bytes`. If there is a pool for small reservations, a large one stays just above
     /// their limit. It never moves back, because the small pool may have no room for it.
     void shrink_to(std::uint64_t bytes) {
@@ -128,6 +135,7 @@ class MemoryBudget {
     MemoryBudget* budget_ = nullptr;
     std::shared_ptr<Client> client_;
     Use use_ = Use::kWaitedFor;
+    Limit usual_ = Limit::kUsual;
     std::uint64_t bytes_ = 0;
     Verdict verdict_ = Verdict::kFits;
   };
@@ -238,6 +246,7 @@ class MemoryBudget {
     if (asked.client ? fair.allows(asked.own, used, asked.others, alone) : used <= fair.capacity)
       return is_there ? Verdict::kFits : Verdict::kHeldInBackground;
     if (!asked.client) return Verdict::kFull;
+    if (even_parts_ && asked.limit == Limit::kAllFree && alone && is_there) return Verdict::kFits;
     if (even_parts_ && !small && asked.use == Use::kWaitedFor && asked.limit != Limit::kFairShare &&
         asked.sharing > 1 && is_within_part(asked, asked.sharing))
       return is_there ? Verdict::kFits : Verdict::kHeldOverPart;

@@ -42,6 +42,8 @@ class MemoryLine {
     bool again = false;
     /// It was given up because it stood still. It takes no memory while another client waits.
     bool stood_still = false;
+    /// It gives up its memory if other clients lack their parts. So if it is all that its client holds, it may take whatever is free.
+    bool gives_up = false;
   };
   /// Returns the memory. Returns nothing if there is not enough: then `waits` joins the line.
   std::optional<MemoryBudget::Reservation> take(Waits waits) {
@@ -175,6 +177,7 @@ class MemoryLine {
   /// Takes the memory if it is there and no other work must have it first. Requires the lock.
   bool take(const Waits& waits, Use use, const First& first, MemoryBudget::Reservation& memory) const {
     using Limit = MemoryBudget::Limit;
+    if (waits.gives_up) memory.may_take_all_free();
     if (use == Use::kBackground && (first.in_background || first.lacking.one)) return false;
     // Two clients that both lack their parts may each have all of it.
     const bool others_lack = memory.verdict() != MemoryBudget::Verdict::kHeldOverPart &&

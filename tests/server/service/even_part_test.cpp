@@ -37,6 +37,28 @@ TEST(EvenPart, IsWhatAClientMayHoldWhateverOthersHold) {
   EXPECT_EQ(whole.used(), 0u);
 }
 
+/// Ten clients that hold a little do not keep a large computation out of what is free. Memory that cannot be given up stays within
+/// FairShare.
+TEST(EvenPart, IsNoLimitForAClientsOnlyReservationOfFreeMemory) {
+  Budget whole(Budget::Divided{.capacity = 1000, .headroom = 0, .largest_small = 10, .even_parts = true},
+               {.large = 750, .small = 750});
+  std::vector<Budget::Reservation> little;
+  for (int k = 0; k < 10; ++k) {
+    little.emplace_back(whole, std::make_shared<Budget::Client>());
+    ASSERT_TRUE(little.back().grow_to(30));
+  }
+  const auto ana = std::make_shared<Budget::Client>();
+  Budget::Reservation kept(whole, ana), large(whole, ana), second(whole, ana);
+  EXPECT_FALSE(kept.grow_to(400));
+  large.may_take_all_free();
+  EXPECT_FALSE(large.grow_to(701)) << "700 are free";
+  EXPECT_TRUE(large.grow_to(400));
+  Budget::Reservation moved = std::move(large);
+  EXPECT_TRUE(moved.grow_to(600)) << "a running computation needs more";
+  second.may_take_all_free();
+  EXPECT_FALSE(second.grow_to(50)) << "not its only one";
+}
+
 struct LineOfParts : testing::Test {
   ClientShares memory{Budget::Divided{100, 0, 0, true}, 75};
   std::vector<std::string> asked, went_on;  // clients
