@@ -34,8 +34,8 @@ ParameterSpec fragments_row(std::uint32_t max_sites) {
        .min = 0,
        .max = max_sites,
        .doc =
-           "Number of fragments. If the result differs by more than a tenth, a warning says why. The fragments are "
-           "divided by volume among the parts that touch no other part; each gets at least one. Parts closer to "
+           "Number of fragments. If the result differs by more than a tenth, a warning says why. Parts that touch "
+           "no other part share this number in proportion to their volume; each gets at least one. Parts closer to "
            "`impacts` get more. "
            "Without `sites`, the pattern makes as many cells as needed. 0: `sites` determines the number. Not with "
            "`levels` or `dual=barycenter`."},
