@@ -144,7 +144,7 @@ def _token(parser: argparse.ArgumentParser, file: Optional[pathlib.Path]) -> Opt
     except (OSError, UnicodeDecodeError) as error:
         parser.error(f"--token-file {file}: {getattr(error, 'strerror', None) or error}")
     if not lines or not lines[0].strip():
-        parser.error(f"--token-file {file}: the first line is empty; write the token in it")
+        parser.error(f"--token-file {file}: the first line is empty; put the token there")
     return lines[0].strip()
 
 
