@@ -60,7 +60,8 @@ class MemoryBudget {
     kEvenPart,  ///< at most the client's even part with one more client, because another client waits for its own
     kOwnPart,  ///< at most the client's even part
     kOnlyOne,  ///< as usual, but only if the client has no other large reservation
-    /// As usual, and a client's only large reservation may take all that is free: for memory that can be given up.
+    /// As usual, and a client's only large reservation may take all that is free: for memory that can be given up. Background work
+    /// stays within FairShare, because it can last for minutes.
     kAllFree,
   };
 
@@ -246,7 +247,8 @@ class MemoryBudget {
     if (asked.client ? fair.allows(asked.own, used, asked.others, alone) : used <= fair.capacity)
       return is_there ? Verdict::kFits : Verdict::kHeldInBackground;
     if (!asked.client) return Verdict::kFull;
-    if (even_parts_ && asked.limit == Limit::kAllFree && alone && is_there) return Verdict::kFits;
+    if (even_parts_ && asked.use == Use::kWaitedFor && asked.limit == Limit::kAllFree && alone && is_there)
+      return Verdict::kFits;
     if (even_parts_ && !small && asked.use == Use::kWaitedFor && asked.limit != Limit::kFairShare &&
         asked.sharing > 1 && is_within_part(asked, asked.sharing))
       return is_there ? Verdict::kFits : Verdict::kHeldOverPart;

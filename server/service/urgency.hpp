@@ -97,7 +97,7 @@ class Urgency {
   /// for that part.
   Priority priority_of_task() const {
     const std::lock_guard lock(mutex_);
-    return in_part_ ? part_->priority() : priority_;
+    return computes_part() ? part_->priority() : priority_;
   }
   /// Returns whether more than one client is waiting or has waited.
   bool is_of_several() const {
@@ -107,13 +107,13 @@ class Urgency {
   /// Returns whether the task computes a part of an answer that other clients also wait for.
   bool computes_for_others() const {
     const std::lock_guard lock(mutex_);
-    return in_part_ && part_->is_of_several();
+    return computes_part() && part_->is_of_several();
   }
   /// Returns whether the task stands still for at least a second, because its only client exceeds its processor rate.
   bool stands_still() const {
     constexpr std::chrono::seconds kLong{1};
     const std::lock_guard lock(mutex_);
-    return !others_ && !(in_part_ && part_->is_of_several()) && flow().account &&
+    return !others_ && !(computes_part() && part_->is_of_several()) && flow().account &&
            flow().account->until_within_processor_rate() >= kLong;
   }
   /// Returns the turn that the task takes: the earliest turn among the most urgent clients that wait.
@@ -128,6 +128,8 @@ class Urgency {
   }
 
  private:
+  /// Returns whether its task computes a part that it has not given up. Requires the lock.
+  bool computes_part() const { return in_part_ && part_; }
   struct Waiting {
     std::size_t count = 0;
     Flow flow{};  ///< the earliest turn; the client that had it may have left

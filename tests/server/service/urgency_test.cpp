@@ -86,6 +86,27 @@ TEST(Urgency, APartOfAJobIsAsUrgentAsWhoWaitsForItAndTheRestIsNot) {
   pool.wait_idle();
 }
 
+/// Other threads ask for the class of a task that has given up its part and has not ended yet.
+TEST(Urgency, OfATaskThatGaveUpItsPartIsThatOfItsResult) {
+  WorkerPool pool(1, 100);
+  std::latch gate(1);
+  const WorkerPool::TaskId task = pool.submit(Priority::kBatch, 0, [&](int) { gate.wait(); });
+  Urgency job;
+  const auto part = std::make_shared<Urgency>();
+  job.lead(pool, {"job", 1}, Priority::kBatch, [&] { return task; });
+  job.lead_part(pool, part);
+  part->join(pool, Priority::kRealtime, {"game", 1});
+  EXPECT_EQ(job.priority_of_task(), Priority::kRealtime);
+  EXPECT_TRUE(job.computes_for_others());
+  job.gives_up(pool);
+  EXPECT_EQ(job.priority_of_task(), Priority::kBatch);
+  EXPECT_FALSE(job.computes_for_others());
+  EXPECT_FALSE(job.stands_still());
+  job.end_part(pool, *part);
+  gate.count_down();
+  pool.wait_idle();
+}
+
 TEST(Urgency, WhoHurriesAResultHurriesWhatItWaitsFor) {
   WorkerPool pool(1, 100);
   std::latch gate(1);
