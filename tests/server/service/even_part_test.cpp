@@ -37,8 +37,8 @@ TEST(EvenPart, IsWhatAClientMayHoldWhateverOthersHold) {
   EXPECT_EQ(whole.used(), 0u);
 }
 
-/// Ten clients that hold a little do not keep a large computation out of what is free. Memory that cannot be given up stays within
-/// FairShare.
+/// Ten clients that hold a little do not keep a large computation out of the free memory. Memory that cannot be given up stays
+/// within FairShare.
 TEST(EvenPart, IsNoLimitForAClientsOnlyReservationOfFreeMemory) {
   Budget whole(Budget::Divided{.capacity = 1000, .headroom = 0, .largest_small = 10, .even_parts = true},
                {.large = 750, .small = 750});
