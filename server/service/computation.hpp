@@ -211,8 +211,8 @@ struct Dispatcher::Computation : std::enable_shared_from_this<Computation> {
   bool is_background() const { return flight->common.urgency.priority_of_task() == Priority::kBackground; }
   int times_given_up() const { return begun_again; }
   bool has_stood_still() const { return stood_still; }
-  /// Returns whether it ended with this error only because others needed its memory, and begins again. This includes a job
-  /// for which a client began to wait just then. A job that nobody waits for is begun again outside the dispatcher.
+  /// Returns whether it begins again after this error, because it ended only for the memory that others needed. A job
+  /// begins again here only if a client waits for it now. Otherwise, its owner (Jobs) submits it again.
   bool begins_again_after(const Error& error) const {
     const bool crowded_out =
         error.code == ErrorCode::kOverloaded || error.code == ErrorCode::kOverShare ||

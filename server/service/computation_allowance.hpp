@@ -18,7 +18,7 @@ class ComputationAllowance {
   /// Called if a reservation could not grow to `bytes`. Makes room and grows the reservation. Returns false if that is
   /// impossible.
   using MakeRoom = std::function<bool(MemoryBudget::Reservation&, std::uint64_t bytes)>;
-  /// `held`: receives the number of bytes that the computation holds; borrowed. Null: nobody asks.
+  /// `held`: a counter to set to the bytes that the computation holds, after each change. May be null. Must outlive this.
   ComputationAllowance(MemoryBudget& budget, MemoryBudget::Reservation reservation, MakeRoom make_room,
                        std::atomic<std::uint64_t>* held = nullptr)
       : budget_(budget),

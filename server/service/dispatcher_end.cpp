@@ -18,7 +18,7 @@ void Dispatcher::end(const Shared& c, Expected<FractureAnswer> outcome) {
 }
 
 void Dispatcher::begin_again(const Shared& c) {
-  c->given_up = Computation::GivenUp::kNo;  // it holds nothing any more, so nobody gives it up now
+  c->given_up = Computation::GivenUp::kNo;  // it holds no memory, so it is not asked to end again
   ++c->begun_again;
   c->tried_again = false;
   c->busy_seconds = 0;
